@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: MIT
+# What can be chosen when configuring, and the settings every target shares.
+
+option(PUNCTUM_TESTS "Build the tests" ON)
+option(PUNCTUM_FUZZERS "Build the libFuzzer targets (needs clang)" OFF)
+option(PUNCTUM_WERROR "Treat warnings as errors" ON)
+set(PUNCTUM_SANITIZER "" CACHE STRING "Sanitizers to build with: empty, address,undefined or thread")
+set(PUNCTUM_TEST_DATA "${PROJECT_SOURCE_DIR}/../shared/data" CACHE PATH
+    "Folder of real LAS/LAZ files; tests that use it are skipped, by name, where it is not there")
+
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+find_program(PUNCTUM_CCACHE ccache)
+if(PUNCTUM_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${PUNCTUM_CCACHE})
+endif()

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include "core/cloud/Attribute.h"
+
+#include "core/task/Progress.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace punctum {
+
+namespace {
+
+/// Points handled between two looks at the cancel flag.
+constexpr PointIndex kGrain = 1 << 16;
+
+/// Raw element of component `c`, bit field applied; T is the column's type.
+template <typename T>
+struct RawReader {
+    const T* data;
+    std::uint32_t stride;
+    std::uint8_t shift;
+    std::uint8_t width;
+
+    RawReader(const Attribute& a, std::uint32_t component)
+        : data(reinterpret_cast<const T*>(a.columns[component]->data())),
+          stride(a.columns[component]->components()),
+          shift(a.bitShift),
+          width(a.bitWidth)
+    {
+    }
+    T operator()(PointIndex i) const noexcept
+    {
+        const T raw = data[i * stride];
+        if constexpr (std::is_integral_v<T>) {
+            if (width != 0) return T((std::uint64_t(raw) >> shift) & ((std::uint64_t(1) << width) - 1));
+        }
+        return raw;
+    }
+};
+
+template <typename T>
+bool isNoData(const Attribute& a, T raw)
+{
+    if (!a.noData) return false;
+    return std::visit([raw](auto v) { return std::isfinite(double(v)) ? T(v) == raw : double(raw) != double(raw); },
+                      *a.noData);
+}
+
+template <typename T>
+double numberOf(const Attribute& a, T raw)
+{
+    if (isNoData(a, raw)) return std::numeric_limits<double>::quiet_NaN();
+    return a.scaled ? double(raw) * a.scale + a.offset : double(raw);
+}
+
+template <typename T>
+Value valueOf(const Attribute& a, T raw)
+{
+    if (a.scaled) return double(raw) * a.scale + a.offset;
+    if constexpr (std::is_floating_point_v<T>)
+        return double(raw);
+    else if constexpr (std::is_signed_v<T>)
+        return std::int64_t(raw);
+    else
+        return std::uint64_t(raw);
+}
+
+/// Extremes and sum of raw values of one type; kept raw so that 64-bit integers stay exact.
+template <typename T>
+struct Extremes {
+    T min{};
+    T max{};
+    long double sum = 0;
+    std::uint64_t count = 0;
+
+    void include(T v) noexcept
+    {
+        if (count == 0 || v < min) min = v;
+        if (count == 0 || v > max) max = v;
+        ++count;
+    }
+    void include(const Extremes& o) noexcept
+    {
+        if (o.count == 0) return;
+        min = count == 0 ? o.min : std::min(min, o.min);
+        max = count == 0 ? o.max : std::max(max, o.max);
+        sum += o.sum;
+        count += o.count;
+    }
+};
+
+}  // namespace
+
+double toDouble(const Value& value) noexcept
+{
+    return std::visit([](auto v) { return double(v); }, value);
+}
+
+std::string toText(const Value& value)
+{
+    char text[32];
+    const auto end = std::visit([&](auto v) { return std::to_chars(text, text + sizeof text, v).ptr; }, value);
+    return {text, end};
+}
+
+Value Attribute::value(PointIndex index, std::uint32_t component) const
+{
+    return visitScalar(columns[component]->type(), [&](auto zero) {
+        return valueOf(*this, RawReader<decltype(zero)>(*this, component)(index));
+    });
+}
+
+double Attribute::number(PointIndex index, std::uint32_t component) const
+{
+    return visitScalar(columns[component]->type(), [&](auto zero) {
+        return numberOf(*this, RawReader<decltype(zero)>(*this, component)(index));
+    });
+}
+
+std::uint64_t Attribute::maxBits() const noexcept
+{
+    const unsigned width = bitWidth != 0 ? bitWidth : unsigned(sizeOf(type()) * 8);
+    return width >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << width) - 1;
+}
+
+void Attribute::read(PointRange range, double* out, std::uint32_t component) const
+{
+    visitScalar(columns[component]->type(), [&](auto zero) {
+        const RawReader<decltype(zero)> raw(*this, component);
+        for (PointIndex i = range.first; i < range.last; ++i) *out++ = numberOf(*this, raw(i));
+    });
+}
+
+void Attribute::gather(std::span<const std::uint32_t> indices, double bias, float* out, std::uint32_t component) const
+{
+    visitScalar(columns[component]->type(), [&](auto zero) {
+        const RawReader<decltype(zero)> raw(*this, component);
+        for (const std::uint32_t i : indices) *out++ = float(numberOf(*this, raw(i)) - bias);
+    });
+}
+
+void Attribute::gatherBits(std::span<const std::uint32_t> indices, std::uint32_t* out, std::uint32_t component) const
+{
+    visitScalar(columns[component]->type(), [&](auto zero) {
+        using T = decltype(zero);
+        const RawReader<T> raw(*this, component);
+        if constexpr (std::is_integral_v<T>)
+            for (const std::uint32_t i : indices) *out++ = std::uint32_t(raw(i));
+        else
+            for (std::size_t k = 0; k < indices.size(); ++k) out[k] = 0;
+    });
+}
+
+AttributeStatistics computeStatistics(const Attribute& attribute, std::uint32_t component, Progress& progress)
+{
+    return visitScalar(attribute.columns[component]->type(), [&](auto zero) {
+        using T = decltype(zero);
+        const RawReader<T> raw(attribute, component);
+        const auto all = tbb::parallel_reduce(
+            tbb::blocked_range<PointIndex>(0, attribute.size(), kGrain), Extremes<T>{},
+            [&](const tbb::blocked_range<PointIndex>& r, Extremes<T> e) {
+                if (progress.cancelled()) return e;
+                double sum = 0;
+                const bool plain = !attribute.noData;
+                for (PointIndex i = r.begin(); i != r.end(); ++i) {
+                    const T v = raw(i);
+                    if constexpr (std::is_floating_point_v<T>)
+                        if (std::isnan(v)) continue;
+                    if (!plain && isNoData(attribute, v)) continue;
+                    e.include(v);
+                    sum += double(v);
+                }
+                e.sum += sum;
+                return e;
+            },
+            [](Extremes<T> a, const Extremes<T>& b) {
+                a.include(b);
+                return a;
+            });
+        progress.check();
+        AttributeStatistics s;
+        s.count = all.count;
+        s.min = valueOf(attribute, all.min);
+        s.max = valueOf(attribute, all.max);
+        if (all.count != 0) s.mean = double(all.sum / static_cast<long double>(all.count));
+        if (attribute.scaled && all.count != 0) s.mean = s.mean * attribute.scale + attribute.offset;
+        if (attribute.scaled && attribute.scale < 0) std::swap(s.min, s.max);
+        return s;
+    });
+}
+
+std::array<std::uint64_t, 256> countValues(const Attribute& attribute, Progress& progress)
+{
+    using Counts = std::array<std::uint64_t, 256>;
+    return visitScalar(attribute.columns[0]->type(), [&](auto zero) {
+        using T = decltype(zero);
+        const RawReader<T> raw(attribute, 0);
+        const Counts counts = tbb::parallel_reduce(
+            tbb::blocked_range<PointIndex>(0, attribute.size(), kGrain), Counts{},
+            [&](const tbb::blocked_range<PointIndex>& r, Counts c) {
+                if constexpr (std::is_integral_v<T>)
+                    if (!progress.cancelled())
+                        for (PointIndex i = r.begin(); i != r.end(); ++i)
+                            ++c[std::min<std::uint64_t>(255, std::uint64_t(raw(i)))];
+                return c;
+            },
+            [](Counts a, const Counts& b) {
+                for (std::size_t k = 0; k < a.size(); ++k) a[k] += b[k];
+                return a;
+            });
+        progress.check();
+        return counts;
+    });
+}
+
+}  // namespace punctum

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+#include "core/cloud/PointCloud.h"
+
+#include <glm/common.hpp>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <map>
+
+namespace punctum {
+
+bool ChangeNotice::concerns(const Attribute& attribute) const
+{
+    return std::any_of(attributes.begin(), attributes.end(), [&](const std::string& changed) {
+        if (changed == attribute.name) return true;
+        if (attribute.components == 1) return false;
+        return std::any_of(attribute.columns.begin(), attribute.columns.end(),
+                           [&](const auto& column) { return column && column->name() == changed; });
+    });
+}
+
+void RawBounds::include(std::int64_t x, std::int64_t y, std::int64_t z) noexcept
+{
+    const glm::i64vec3 p(x, y, z);
+    min = glm::min(min, p);
+    max = glm::max(max, p);
+}
+
+void RawBounds::include(const RawBounds& other) noexcept
+{
+    min = glm::min(min, other.min);
+    max = glm::max(max, other.max);
+}
+
+void WorldBounds::include(const WorldBounds& other) noexcept
+{
+    if (other.empty()) return;
+    min = empty() ? other.min : glm::min(min, other.min);
+    max = glm::max(max, other.max);
+    if (empty()) max = other.max;
+}
+
+WorldBounds CoordinateScale::toWorld(const RawBounds& raw) const noexcept
+{
+    if (raw.empty()) return {};
+    const glm::dvec3 a = toWorld(glm::dvec3(raw.min));
+    const glm::dvec3 b = toWorld(glm::dvec3(raw.max));
+    return {glm::min(a, b), glm::max(a, b)};
+}
+
+struct PointCloud::Listeners {
+    std::mutex mutex;
+    std::uint64_t last = 0;
+    std::map<std::uint64_t, Listener> listeners;
+};
+
+PointCloud::PointCloud(PointIndex size, CoordinateScale coordinates)
+    : m_size(size), m_coordinates(coordinates), m_listeners(std::make_shared<Listeners>())
+{
+}
+
+const Attribute* PointCloud::findAttribute(std::string_view name) const noexcept
+{
+    const auto it = std::find_if(m_attributes.begin(), m_attributes.end(), [&](auto& a) { return a.name == name; });
+    return it == m_attributes.end() ? nullptr : &*it;
+}
+
+std::shared_ptr<Column> PointCloud::addColumn(std::shared_ptr<Column> column)
+{
+    return m_columns.emplace_back(std::move(column));
+}
+
+void PointCloud::addAttribute(Attribute attribute) { m_attributes.push_back(std::move(attribute)); }
+
+void PointCloud::removeAttribute(std::string_view name)
+{
+    const auto it = std::find_if(m_attributes.begin(), m_attributes.end(), [&](auto& a) { return a.name == name; });
+    if (it == m_attributes.end()) return;
+    const Attribute gone = *it;
+    m_attributes.erase(it);
+    std::erase_if(m_columns, [&](const std::shared_ptr<Column>& column) {
+        const auto shows = [&](const Attribute& a) {
+            return std::find(a.columns.begin(), a.columns.end(), column) != a.columns.end();
+        };
+        return shows(gone) && std::none_of(m_attributes.begin(), m_attributes.end(), shows);
+    });
+}
+
+RawBounds PointCloud::computeBounds() const
+{
+    const auto x = rawX(), y = rawY(), z = rawZ();
+    return tbb::parallel_reduce(
+        tbb::blocked_range<PointIndex>(0, m_size, 1 << 16), RawBounds{},
+        [&](const tbb::blocked_range<PointIndex>& r, RawBounds b) {
+            std::int32_t lo[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, hi[3] = {INT32_MIN, INT32_MIN, INT32_MIN};
+            const std::int32_t* axes[3] = {x.data(), y.data(), z.data()};
+            for (int a = 0; a < 3; ++a)
+                for (PointIndex i = r.begin(); i != r.end(); ++i) {
+                    lo[a] = std::min(lo[a], axes[a][i]);
+                    hi[a] = std::max(hi[a], axes[a][i]);
+                }
+            b.include(lo[0], lo[1], lo[2]);
+            b.include(hi[0], hi[1], hi[2]);
+            return b;
+        },
+        [](RawBounds a, const RawBounds& b) {
+            a.include(b);
+            return a;
+        });
+}
+
+Subscription PointCloud::subscribe(Listener listener)
+{
+    const std::lock_guard lock(m_listeners->mutex);
+    const std::uint64_t id = ++m_listeners->last;
+    m_listeners->listeners.emplace(id, std::move(listener));
+    return Subscription([id, weak = std::weak_ptr(m_listeners)] {
+        if (const auto listeners = weak.lock()) {
+            const std::lock_guard guard(listeners->mutex);
+            listeners->listeners.erase(id);
+        }
+    });
+}
+
+void PointCloud::notify(const ChangeNotice& notice) const
+{
+    // Called under the lock: a subscription that has ended is never called again. Listeners only post.
+    const std::lock_guard lock(m_listeners->mutex);
+    for (const auto& [id, listener] : m_listeners->listeners) listener(notice);
+}
+
+void addComposite(PointCloud& cloud, const std::string& name, AttributeKind kind,
+                  const std::array<std::string, 3>& parts)
+{
+    Attribute composite;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const Attribute* part = cloud.findAttribute(parts[c]);
+        if (part == nullptr || part->components != 1) return;
+        if (c == 0) composite = *part;
+        if (part->type() != composite.type() || part->scaled != composite.scaled || part->scale != composite.scale ||
+            part->offset != composite.offset)
+            return;
+        composite.columns[c] = part->columns[0];
+    }
+    composite.name = name;
+    composite.kind = kind;
+    composite.components = 3;
+    cloud.addAttribute(composite);
+}
+
+}  // namespace punctum

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/cloud/Attribute.h"
+#include "core/cloud/PointSet.h"
+
+#include <glm/vec3.hpp>
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <shared_mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace punctum {
+
+namespace las {
+struct SourceFile;
+}
+
+/// Says what changed in a cloud. The only way the rest of the program learns of a change.
+struct ChangeNotice {
+    enum class Kind {
+        Values,      ///< values of `attributes` changed, for the points of `points` (null: all of them)
+        Attributes,  ///< attributes were added or removed (`attributes` names them)
+    };
+    Kind kind = Kind::Values;
+    std::vector<std::string> attributes;
+    std::shared_ptr<const PointSet> points;
+
+    /// Whether values of this attribute may have changed (RGB counts when Red does, and so on).
+    bool concerns(const Attribute& attribute) const;
+};
+
+/// Smallest box of raw integer coordinates; empty when min > max.
+struct RawBounds {
+    glm::i64vec3 min{INT64_MAX};
+    glm::i64vec3 max{INT64_MIN};
+
+    bool empty() const noexcept { return min.x > max.x; }
+    void include(std::int64_t x, std::int64_t y, std::int64_t z) noexcept;
+    void include(const RawBounds& other) noexcept;
+    friend bool operator==(const RawBounds&, const RawBounds&) = default;
+};
+
+/// Box in `world` (double, CRS units); empty when min > max.
+struct WorldBounds {
+    glm::dvec3 min{1.0};
+    glm::dvec3 max{0.0};
+
+    bool empty() const noexcept { return min.x > max.x; }
+    void include(const WorldBounds& other) noexcept;
+};
+
+/// raw integer coordinates <-> world: world = raw * scale + offset, axis by axis (LAS 1.4 R15, 2.4).
+struct CoordinateScale {
+    glm::dvec3 scale{0.001};
+    glm::dvec3 offset{0.0};
+
+    glm::dvec3 toWorld(const glm::dvec3& raw) const noexcept { return raw * scale + offset; }
+    glm::dvec3 toRaw(const glm::dvec3& world) const noexcept { return (world - offset) / scale; }
+    WorldBounds toWorld(const RawBounds& raw) const noexcept;
+};
+
+/// Ends a subscription when destroyed.
+class Subscription {
+public:
+    Subscription() = default;
+    explicit Subscription(std::function<void()> end) : m_end(std::move(end)) {}
+    ~Subscription() { reset(); }
+    Subscription(Subscription&& other) noexcept : m_end(std::exchange(other.m_end, {})) {}
+    Subscription& operator=(Subscription&& other) noexcept
+    {
+        reset();
+        m_end = std::exchange(other.m_end, {});
+        return *this;
+    }
+    void reset()
+    {
+        if (m_end) std::exchange(m_end, {})();
+    }
+
+private:
+    std::function<void()> m_end;
+};
+
+/// A point cloud in memory: what the file holds, one array per field of the record (struct of arrays), in the
+/// file's own types. Loading is de-interleaving, saving is interleaving; nothing is rounded or dropped.
+///
+/// Threads: the list of columns and attributes, and values, are guarded by mutex(): readers that may meet an
+/// edit hold it shared, whoever changes values or the list holds it alone, then calls notify() without it.
+/// Loading writes only points that nobody was told of yet, and needs no lock.
+class PointCloud {
+public:
+    /// An empty frame for `size` points; columns and attributes are added next (las::Reader does it).
+    explicit PointCloud(PointIndex size, CoordinateScale coordinates = {});
+
+    PointIndex size() const noexcept { return m_size; }
+    const CoordinateScale& coordinates() const noexcept { return m_coordinates; }
+
+    // -- columns and attributes; the first columns follow the file's record, added ones come after
+    const std::vector<std::shared_ptr<Column>>& columns() const noexcept { return m_columns; }
+    const std::vector<Attribute>& attributes() const noexcept { return m_attributes; }
+    /// Null when there is none of that name. Valid until the list of attributes changes: copy it to keep it.
+    const Attribute* findAttribute(std::string_view name) const noexcept;
+    std::shared_ptr<Column> addColumn(std::shared_ptr<Column> column);
+    void addAttribute(Attribute attribute);
+    /// Takes the attribute, and its columns when no other attribute shows them, out of the cloud.
+    void removeAttribute(std::string_view name);
+
+    // -- coordinates; X, Y, Z are the first three columns, int32
+    std::span<const std::int32_t> rawX() const noexcept { return m_columns[0]->values<std::int32_t>(); }
+    std::span<const std::int32_t> rawY() const noexcept { return m_columns[1]->values<std::int32_t>(); }
+    std::span<const std::int32_t> rawZ() const noexcept { return m_columns[2]->values<std::int32_t>(); }
+    glm::dvec3 world(PointIndex i) const noexcept
+    {
+        return m_coordinates.toWorld(glm::dvec3(rawX()[i], rawY()[i], rawZ()[i]));
+    }
+    /// Bounds of the points, in parallel; computed from the data, never from a header.
+    RawBounds computeBounds() const;
+
+    // -- where it came from; null for a cloud made here
+    const std::shared_ptr<const las::SourceFile>& source() const noexcept { return m_source; }
+    void setSource(std::shared_ptr<const las::SourceFile> source) { m_source = std::move(source); }
+
+    // -- change
+    std::shared_mutex& mutex() const noexcept { return m_mutex; }
+    using Listener = std::function<void(const ChangeNotice&)>;
+    /// `listener` is called in the thread that made the change, with mutex() free.
+    [[nodiscard]] Subscription subscribe(Listener listener);
+    void notify(const ChangeNotice& notice) const;
+
+private:
+    struct Listeners;
+
+    PointIndex m_size;
+    CoordinateScale m_coordinates;
+    std::vector<std::shared_ptr<Column>> m_columns;
+    std::vector<Attribute> m_attributes;
+    std::shared_ptr<const las::SourceFile> m_source;
+    mutable std::shared_mutex m_mutex;
+    std::shared_ptr<Listeners> m_listeners;
+};
+
+/// Adds an attribute that shows three scalar ones together (RGB, Normal) when all three are there.
+void addComposite(PointCloud& cloud, const std::string& name, AttributeKind kind,
+                  const std::array<std::string, 3>& parts);
+
+}  // namespace punctum

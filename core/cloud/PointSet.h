@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/cloud/Column.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace punctum {
+
+/// A set of points of one cloud: a bit for each index. 64 neighbouring points share a word, so that parallel
+/// writers must own whole words.
+class PointSet {
+public:
+    PointSet() = default;
+    explicit PointSet(PointIndex size) : m_size(size), m_words((size + 63) / 64) {}
+
+    PointIndex size() const noexcept { return m_size; }  ///< of the cloud, not of the set
+    bool contains(PointIndex i) const noexcept { return (m_words[i / 64] >> (i % 64)) & 1u; }
+    void insert(PointIndex i) noexcept { m_words[i / 64] |= std::uint64_t(1) << (i % 64); }
+    void remove(PointIndex i) noexcept { m_words[i / 64] &= ~(std::uint64_t(1) << (i % 64)); }
+    void clear() { std::fill(m_words.begin(), m_words.end(), 0); }
+
+    std::span<std::uint64_t> words() noexcept { return m_words; }
+    std::span<const std::uint64_t> words() const noexcept { return m_words; }
+
+    PointIndex count() const noexcept
+    {
+        PointIndex n = 0;
+        for (const std::uint64_t w : m_words) n += PointIndex(std::popcount(w));
+        return n;
+    }
+    /// Calls f(index) for each member of words [firstWord, lastWord), in rising order.
+    template <typename F>
+    void forEachInWords(std::size_t firstWord, std::size_t lastWord, F&& f) const
+    {
+        for (std::size_t w = firstWord; w < lastWord; ++w)
+            for (std::uint64_t bits = m_words[w]; bits != 0; bits &= bits - 1)
+                f(PointIndex(w * 64 + std::size_t(std::countr_zero(bits))));
+    }
+    template <typename F>
+    void forEach(F&& f) const
+    {
+        forEachInWords(0, m_words.size(), std::forward<F>(f));
+    }
+    /// From the first to past the last member; empty for an empty set.
+    PointRange extent() const noexcept
+    {
+        std::size_t a = 0, b = m_words.size();
+        while (a < b && m_words[a] == 0) ++a;
+        while (b > a && m_words[b - 1] == 0) --b;
+        if (a == b) return {};
+        return {PointIndex(a * 64 + std::size_t(std::countr_zero(m_words[a]))),
+                PointIndex(b * 64 - std::size_t(std::countl_zero(m_words[b - 1])))};
+    }
+    friend bool operator==(const PointSet&, const PointSet&) = default;
+
+private:
+    PointIndex m_size = 0;
+    std::vector<std::uint64_t> m_words;
+};
+
+}  // namespace punctum

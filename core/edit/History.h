@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/edit/Command.h"
+
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace punctum {
+
+/// The commands done to one cloud, in order, and how many of them are in force.
+///
+/// push(), undo() and redo() change points, so they run in a job; one at a time, guarded inside. The questions may
+/// be asked from any thread.
+class History {
+public:
+    explicit History(std::shared_ptr<PointCloud> cloud) : m_cloud(std::move(cloud)) {}
+
+    /// Applies the command and puts it on top; commands that were undone are gone.
+    void push(std::unique_ptr<Command> command);
+    void undo();  ///< nothing when there is nothing to undo
+    void redo();
+
+    bool canUndo() const;
+    bool canRedo() const;
+    std::string undoName() const;  ///< name of the command that undo() would take back; empty when none
+    std::string redoName() const;
+    /// Whether the cloud differs from what was last saved (or loaded).
+    bool modified() const;
+    void markSaved();
+    std::vector<std::string> names() const;  ///< oldest first
+    std::size_t position() const;            ///< how many of names() are in force
+
+private:
+    std::shared_ptr<PointCloud> m_cloud;
+    std::mutex m_changing;        ///< one change at a time
+    mutable std::mutex m_mutex;   ///< guards what follows
+    std::vector<std::unique_ptr<Command>> m_commands;
+    std::size_t m_done = 0;
+    std::ptrdiff_t m_saved = 0;   ///< -1: the saved state can no longer be reached
+};
+
+}  // namespace punctum

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/las/SourceFile.h"
+
+#include <functional>
+#include <memory>
+
+namespace punctum {
+class Progress;
+}
+
+namespace punctum::las {
+
+/// What came of reading the points.
+struct ReadResult {
+    std::vector<std::string> warnings;     ///< one sentence each
+    std::vector<PointRange> missing;       ///< points that could not be read (damaged chunks); their values are 0
+    RawBounds bounds;                      ///< of the points read
+};
+
+/// Reads one LAS or LAZ file.
+///
+/// Example:
+///     const auto reader = las::Reader::open("a.laz");
+///     const auto cloud = reader->createCloud();
+///     reader->read(*cloud, progress, [&](PointRange r) { store.fill(r); });
+///
+/// Every size, count and offset in the file is checked before it is used; whatever the file holds, the result is
+/// an Error, a warning or points. The file is opened once and read by pread, so that a file that shrinks
+/// meanwhile is an Error and not a crash. Destroying the reader closes the file.
+class Reader {
+public:
+    /// Reads header, VLRs, EVLRs and the chunk table, no points but a few for a first idea of the extent.
+    /// Throws Error.
+    static std::unique_ptr<Reader> open(const std::filesystem::path& path);
+    ~Reader();
+    Reader(const Reader&) = delete;
+    Reader& operator=(const Reader&) = delete;
+
+    const std::shared_ptr<const SourceFile>& source() const noexcept { return m_source; }
+
+    /// A cloud with the file's columns and attributes, all points unread. Throws Error (memory).
+    std::shared_ptr<PointCloud> createCloud() const;
+
+    /// Called from worker threads, several at once, each time the points of a range have arrived in the
+    /// columns (while they are still in the processor's cache); each point is in exactly one range.
+    using BatchSink = std::function<void(PointRange)>;
+
+    /// Reads all points into the cloud's columns, in parallel, in an order spread over the file.
+    /// Throws Error (I/O) or Cancelled.
+    ReadResult read(PointCloud& cloud, Progress& progress, const BatchSink& sink = {}) const;
+
+private:
+    struct Impl;
+    Reader(std::unique_ptr<Impl> impl, std::shared_ptr<const SourceFile> source);
+    std::unique_ptr<Impl> m_impl;
+    std::shared_ptr<const SourceFile> m_source;
+};
+
+/// Opens and reads in one call, for the command line and tests. Warnings of both steps are returned in `result`.
+std::shared_ptr<PointCloud> load(const std::filesystem::path& path, Progress& progress,
+                                 ReadResult* result = nullptr);
+
+}  // namespace punctum::las

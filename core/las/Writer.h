@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/cloud/PointCloud.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace punctum {
+class Progress;
+}
+
+namespace punctum::las {
+
+struct WriteOptions {
+    bool compressed = false;                     ///< LAZ
+    std::optional<std::uint8_t> versionMinor;    ///< 2, 3 or 4; default: as the source, 4 for clouds made here
+    std::optional<std::uint8_t> pointFormat;     ///< 0-10; default: as the source
+    bool verify = true;                          ///< decode the written file and compare before it takes its name
+};
+
+/// What was written, and what had to be different from the source (one sentence each).
+struct WriteReport {
+    PointIndex points = 0;
+    std::uint64_t bytes = 0;
+    std::vector<std::string> notes;
+};
+
+/// LAZ when the path ends in .laz (any case), else LAS.
+bool isCompressedName(const std::filesystem::path& path);
+
+/// Writes the cloud, whole or not at all: a temporary file beside the target is written, synced, verified, then
+/// renamed over it. Header, VLRs, gaps and EVLRs come from cloud.source() unchanged unless they must differ.
+/// Attributes added after loading become extra bytes. Holds cloud.mutex() shared meanwhile.
+/// Throws Error (nothing is left behind, an existing target is untouched) or Cancelled (likewise).
+WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, const WriteOptions& options,
+                  Progress& progress);
+
+}  // namespace punctum::las

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "render/camera/Camera.h"
+#include "render/progressive/FrameCostModel.h"
+#include "render/raster/Backend.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace punctum::render {
+
+/// What the user chose to see; belongs to the view, not to a cloud.
+struct DisplaySettings {
+    std::string attribute;            ///< name; a cloud without it shows its first fitting one (see firstAttribute)
+    std::string colorMap = "viridis"; ///< Scalar attributes
+    std::optional<std::pair<double, double>> range;  ///< Scalar; none: 2nd to 98th percentile over all clouds
+    std::array<Rgba8, 256> palette{}; ///< Class; defaults to asprsClasses()
+    std::array<bool, 256> classVisible{};  ///< defaults to all
+    double pointSize = 1.0;           ///< px
+    int samples = 1;                  ///< 1 or 4 a pixel
+    Rgba8 backgroundTop{38, 44, 52, 255};
+    Rgba8 backgroundBottom{16, 18, 22, 255};
+
+    DisplaySettings();
+};
+
+/// The attribute that a cloud is first shown by: RGB if it has colours, else Intensity if it varies, else
+/// Classification if it varies, else Z.
+std::string firstAttribute(const PointCloud& cloud);
+
+/// What one call of renderFrame did.
+struct FrameReport {
+    double seconds = 0;             ///< from call to return
+    PointIndex reprojected = 0;
+    PointIndex filled = 0;          ///< slots drawn in the fill pass
+    double share = 0;               ///< of all slots drawn with the present camera, 0 to 1
+    bool converged = false;         ///< image equals the brute-force image and nothing streams
+};
+
+/// What is under the cursor.
+struct PickResult {
+    std::size_t cloud = 0;          ///< index into the clouds, in the order they were added
+    PointIndex index = 0;
+    glm::dvec3 world{0.0};
+};
+
+/// The progressive picture of one view (Schuetz et al. 2019, section 3.4): each frame reprojects what was visible,
+/// then draws further runs of slots until the frame's time is spent; a still view converges to the image of all
+/// points, then idles.
+///
+/// One thread (the render thread) calls everything; loader threads meanwhile fill the stores. Takes each cloud's
+/// mutex() shared while it reads columns. Errors: Error from the backend.
+class ProgressiveRenderer {
+public:
+    explicit ProgressiveRenderer(std::unique_ptr<RasterBackend> backend);
+    ~ProgressiveRenderer();
+
+    RasterBackend& backend() noexcept { return *m_backend; }
+    /// Goes on with another backend; the picture starts anew there.
+    void setBackend(std::unique_ptr<RasterBackend> backend);
+
+    // -- clouds
+    void addCloud(std::shared_ptr<PointStore> store);
+    void removeCloud(const PointCloud& cloud);
+    /// Call after a change of values or attributes (from any ChangeNotice) and when loading has ended.
+    void valuesChanged(const PointCloud& cloud, const ChangeNotice& notice);
+    void loadingEnded(const PointCloud& cloud, const RawBounds& bounds);
+
+    // -- view
+    void setSize(int width, int height);
+    void setCamera(const Camera& camera);
+    const Camera& camera() const noexcept { return m_camera; }
+    void setDisplay(const DisplaySettings& display);
+    const DisplaySettings& display() const noexcept { return m_display; }
+    /// Range that scalar colours are drawn over at present (world values of the attribute).
+    std::pair<double, double> range() const noexcept { return m_range; }
+    /// Name of the attribute on screen.
+    std::string shownAttribute() const;
+
+    // -- frames
+    /// Draws for about `budget` seconds into image(). Does nothing (converged, 0 points) when nothing changed.
+    FrameReport renderFrame(double budget);
+    /// All points in one pass, no progression: the reference image.
+    FrameReport renderBruteForce();
+    const Image& image() const noexcept { return m_image; }
+    bool converged() const noexcept;
+
+    /// The point nearest to a px, of those on screen.
+    std::optional<PickResult> pick(int x, int y, int radius = 4);
+    /// Share of the pixels that have a point.
+    double coveredShare() { return m_backend->coveredShare(); }
+
+private:
+    struct Entry;
+    void updateScene();
+    void updateRange();
+    void restartFill() noexcept;
+    void refreshVisible();
+    void streamAttributes(double seconds);
+    PointIndex fill(double secondsLeft);
+    void resolveImage();
+
+    std::unique_ptr<RasterBackend> m_backend;
+    std::vector<std::unique_ptr<Entry>> m_entries;
+    FrameScene m_scene;
+    Camera m_camera;
+    DisplaySettings m_display;
+    TargetSize m_size;
+    std::pair<double, double> m_range{0.0, 1.0};
+    Image m_image;
+    FrameCostModel m_cost;
+    std::vector<PointId> m_visible;
+    bool m_cameraMoved = true;
+    bool m_targetChanged = true;
+    bool m_clearNeeded = true;
+    bool m_resolveNeeded = true;
+    bool m_rangeNeeded = true;
+};
+
+}  // namespace punctum::render

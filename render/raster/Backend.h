@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "render/resolve/Image.h"
+#include "render/resolve/ResolveSettings.h"
+#include "render/store/PointStore.h"
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace punctum::render {
+
+enum class BackendKind { Cpu, GlPoints };
+
+/// "cpu", "gl-points": names on the command line.
+std::string_view nameOf(BackendKind kind);
+std::optional<BackendKind> backendFromName(std::string_view name);
+
+/// Slot of one layer, in the numbering of the whole view: Layer::firstId + slot.
+using PointId = std::uint32_t;
+constexpr PointId kNoPoint = 0xFFFFFFFFu;
+
+/// Picture size in px, and samples a pixel (1 or 4).
+struct TargetSize {
+    int width = 0;
+    int height = 0;
+    int samples = 1;
+    friend bool operator==(const TargetSize&, const TargetSize&) = default;
+};
+
+/// Where in its pixel each sample of 4 lies, in px from the pixel's top left corner: the standard pattern of
+/// Direct3D and of most OpenGL drivers.
+constexpr std::array<std::array<float, 2>, 4> kSamples4{{{0.375f, 0.125f}, {0.875f, 0.375f}, {0.125f, 0.625f},
+                                                         {0.625f, 0.875f}}};
+
+/// Maps a store's local integers to the picture, in float, exact near the eye:
+///     q = float(local - reference)
+///     depth = dot(rowD.xyz, q) + rowD.w        along the view direction, > 0 in front
+///     w     = perspective ? depth : 1
+///     x_px  = (dot(rowX.xyz, q) + rowX.w) / w  from the left edge
+///     y_px  = (dot(rowY.xyz, q) + rowY.w) / w  from the top edge
+/// A point is drawn when depth >= nearDepth, as a square of pointSize px around (x_px, y_px): it covers each sample
+/// whose position lies in [x - s/2, x + s/2) x [y - s/2, y + s/2).
+struct LayerProjection {
+    glm::ivec3 reference{0};
+    glm::vec4 rowX{0}, rowY{0}, rowD{0};
+    bool perspective = true;
+    float nearDepth = 1e-6f;
+    float pointSize = 1.0f;
+};
+
+/// One cloud of the view. The store is borrowed and must outlive its use by the backend.
+struct Layer {
+    const PointStore* store = nullptr;
+    PointId firstId = 0;
+    LayerProjection projection;
+};
+
+/// What a frame draws: all layers as one camera sees them, and which classes are shown.
+struct FrameScene {
+    std::vector<Layer> layers;
+    std::array<bool, 256> classVisible{};
+    bool allClassesVisible = true;
+};
+
+/// Draws runs of slots and lists of ids into a visibility buffer (depth and point id per sample), and turns that
+/// into a picture. Nothing else: what is drawn when is the business of ProgressiveRenderer.
+///
+/// The nearest point wins; at equal depth the smaller id does. All members: one thread (for OpenGL: the thread
+/// whose current context the backend was made in). Members throw Error when the device fails.
+class RasterBackend {
+public:
+    virtual ~RasterBackend() = default;
+    virtual BackendKind kind() const noexcept = 0;
+    /// One line for the user: "CPU, AVX2, 2 threads", "llvmpipe (LLVM 15.0.6)".
+    virtual std::string description() const = 0;
+
+    /// A new, empty visibility buffer.
+    virtual void setTarget(const TargetSize& size) = 0;
+    virtual TargetSize target() const noexcept = 0;
+    virtual void clear() = 0;
+
+    /// Ids in the visibility buffer, each at least once (the same id may come again), in no order.
+    virtual void visibleIds(std::vector<PointId>& out) = 0;
+    /// Keeps what is visible, seen anew: clears, and draws the points that were in the buffer.
+    virtual void reproject(const FrameScene& scene) = 0;
+    /// Draws a run of slots of one layer.
+    virtual void draw(const FrameScene& scene, std::size_t layer, SlotRange slots) = 0;
+    /// Waits until everything asked for is in the buffer: makes clocks around draw() mean something.
+    virtual void finish() = 0;
+
+    /// Makes the picture: colours from each layer's store words, samples averaged. scene.layers as drawn.
+    virtual void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) = 0;
+
+    /// Sample nearest to (x, y) px with a point within `radius` px.
+    struct Hit {
+        PointId id = kNoPoint;
+        float depth = 0;  ///< along the view direction, world units
+    };
+    virtual std::optional<Hit> pick(int x, int y, int radius) = 0;
+    /// Share of pixels with at least one point.
+    virtual double coveredShare() = 0;
+};
+
+/// Throws Error when this machine cannot run it. GlPoints: needs a current OpenGL 4.3 core context or later.
+std::unique_ptr<RasterBackend> makeBackend(BackendKind kind);
+
+}  // namespace punctum::render

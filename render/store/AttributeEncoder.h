@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/cloud/Attribute.h"
+
+#include <cstdint>
+#include <span>
+
+namespace punctum::render {
+
+/// How the 4 bytes of a slot are to be read when colours are made.
+enum class WordKind : std::uint32_t {
+    Scalar = 0,    ///< float bits of value - bias: colour map over a range; NaN: no value
+    Class = 1,     ///< class code: palette
+    Category = 2,  ///< id: categoryColor()
+    Color = 3,     ///< r, g, b, 255 from the lowest byte on
+};
+
+/// Turns an attribute's values into the 4 bytes a slot that drawing needs. Immutable; any thread.
+class AttributeEncoder {
+public:
+    /// `bias`: taken off scalar values before they become float, so that GPS times keep their digits.
+    /// `colorShift`: 8 when colours have 16 bits, 0 when they have 8 (display only).
+    AttributeEncoder(Attribute attribute, double bias, int colorShift);
+
+    const Attribute& attribute() const noexcept { return m_attribute; }
+    WordKind kind() const noexcept { return m_kind; }
+    double bias() const noexcept { return m_bias; }
+    int colorShift() const noexcept { return m_colorShift; }
+
+    /// Words of the points listed into `out` (indices.size() values).
+    void encode(std::span<const std::uint32_t> indices, std::uint32_t* out) const;
+
+private:
+    Attribute m_attribute;
+    WordKind m_kind;
+    double m_bias;
+    int m_colorShift;
+};
+
+}  // namespace punctum::render
