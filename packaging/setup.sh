@@ -127,7 +127,17 @@ for package in $missing; do
         fail "this system offers no package $package. On Ubuntu, enable 'universe'; older systems than Debian 12 will not do."
 done
 
-say "installing (about a minute, longer on a slow network)"
-# shellcheck disable=SC2086 # a list of words
-apt install -y --no-install-recommends $missing
+say "installing (about two minutes, longer on a slow network)"
+if [ -t 1 ]; then
+    # shellcheck disable=SC2086 # a list of words
+    apt install -y --no-install-recommends $missing
+else
+    log=$(mktemp)
+    trap 'rm -f "$log"' EXIT
+    # shellcheck disable=SC2086
+    if ! apt install -y --no-install-recommends $missing >"$log" 2>&1; then
+        tail -n 30 "$log" >&2
+        fail "apt could not install them; its last words are above."
+    fi
+fi
 say "done"
