@@ -16,6 +16,8 @@ find_package(Qt6 6.4 REQUIRED COMPONENTS Core Gui Widgets OpenGL OpenGLWidgets)
 if(PUNCTUM_TESTS)
   find_package(Qt6 6.4 REQUIRED COMPONENTS Test)
 endif()
+# PCL's own modules set FLANN_ROOT, which later versions of CMake warn of.
+set(CMAKE_POLICY_DEFAULT_CMP0144 NEW)
 find_package(PCL 1.13 REQUIRED COMPONENTS common kdtree search)
 
 # LASzip: the library and its C header, nothing of its header struct (see docs/dev/las.md).
