@@ -6,17 +6,19 @@
 #include <functional>
 #include <memory>
 
-namespace punctum {
+namespace punctum
+{
 class Progress;
 }
 
-namespace punctum::las {
+namespace punctum::las
+{
 
 /// What came of reading the points.
 struct ReadResult {
-    std::vector<std::string> warnings;     ///< one sentence each
-    std::vector<PointRange> missing;       ///< points that could not be read (damaged chunks); their values are 0
-    RawBounds bounds;                      ///< of the points read
+    std::vector<std::string> warnings;  ///< one sentence each
+    std::vector<PointRange> missing;    ///< points that could not be read (damaged chunks); their values are 0
+    RawBounds bounds;                   ///< of the points read
 };
 
 /// Reads one LAS or LAZ file.
@@ -29,7 +31,8 @@ struct ReadResult {
 /// Every size, count and offset in the file is checked before it is used; whatever the file holds, the result is
 /// an Error, a warning or points. The file is opened once and read by pread, so that a file that shrinks
 /// meanwhile is an Error and not a crash. Destroying the reader closes the file.
-class Reader {
+class Reader
+{
 public:
     /// Reads header, VLRs, EVLRs and the chunk table, no points but a few for a first idea of the extent.
     /// Throws Error.

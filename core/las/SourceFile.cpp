@@ -1,1 +1,144 @@
 // SPDX-License-Identifier: MIT
+#include "core/las/SourceFile.h"
+
+#include "core/Error.h"
+#include "core/las/Crs.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace punctum::las
+{
+
+namespace
+{
+
+template <std::size_t N>
+void copyText(std::array<char, N>& field, std::string_view text)
+{
+    std::copy_n(text.data(), std::min(N, text.size()), field.data());
+}
+
+void putText(Header& header, std::size_t offset, std::string_view text)
+{
+    std::memcpy(header.bytes.data() + offset, text.data(), text.size());
+}
+
+}  // namespace
+
+std::uint16_t standardHeaderSize(std::uint8_t versionMinor) noexcept
+{
+    if (versionMinor <= 2) return 227;
+    if (versionMinor == 3) return 235;
+    return versionMinor == 4 ? 375 : 393;
+}
+
+std::string Vlr::user() const
+{
+    return {userId.data(), std::size_t(std::find(userId.begin(), userId.end(), '\0') - userId.begin())};
+}
+
+Vlr makeVlr(std::string_view user, std::uint16_t id, std::string_view description, std::vector<std::byte> data,
+            bool extended)
+{
+    Vlr vlr;
+    copyText(vlr.userId, user);
+    vlr.recordId = id;
+    copyText(vlr.description, description);
+    vlr.data = std::move(data);
+    vlr.extended = extended;
+    return vlr;
+}
+
+std::string Header::version() const
+{
+    return std::to_string(versionMajor()) + "." + std::to_string(versionMinor());
+}
+
+const Vlr* SourceFile::findVlr(std::string_view user, std::uint16_t id) const
+{
+    for (const auto* list : {&vlrs, &evlrs})
+        for (const Vlr& vlr : *list)
+            if (vlr.is(user, id)) return &vlr;
+    return nullptr;
+}
+
+std::vector<const Vlr*> SourceFile::extraBytesRecords() const
+{
+    std::vector<const Vlr*> records;
+    for (const auto* list : {&vlrs, &evlrs})
+        for (const Vlr& vlr : *list)
+            if (vlr.is("LASF_Spec", kExtraBytesRecordId)) records.push_back(&vlr);
+    return records;
+}
+
+std::shared_ptr<SourceFile> makeSource(std::uint8_t format, std::span<const ExtraBytesField> extraBytes,
+                                       const CoordinateScale& coordinates, std::string_view wkt, PointIndex points)
+{
+    auto source = std::make_shared<SourceFile>();
+    std::size_t length = standardRecordLength(format);
+    if (length == 0) throw Error("Point format " + std::to_string(format) + " is not supported.");
+    std::vector<std::byte> descriptors;
+    for (const ExtraBytesField& field : extraBytes) {
+        const ExtraBytesDescriptor d = makeDescriptor(field);
+        descriptors.insert(descriptors.end(), d.bytes.begin(), d.bytes.end());
+        length += sizeOf(field.type);
+    }
+    if (length > UINT16_MAX || descriptors.size() > UINT16_MAX)
+        throw Error("A point cannot hold that many extra bytes.");
+
+    if (!wkt.empty()) {
+        std::vector<std::byte> text(wkt.size() + 1);  // with the NUL that the standard asks for
+        std::memcpy(text.data(), wkt.data(), wkt.size());
+        source->vlrs.push_back(makeVlr("LASF_Projection", 2112, "OGC coordinate system WKT", std::move(text),
+                                       wkt.size() + 1 > UINT16_MAX));
+        if (source->vlrs.back().extended) {
+            source->evlrs.push_back(std::move(source->vlrs.back()));
+            source->vlrs.pop_back();
+        }
+    }
+    if (!descriptors.empty())
+        source->vlrs.push_back(
+            makeVlr("LASF_Spec", kExtraBytesRecordId, "Extra Bytes Record", std::move(descriptors)));
+
+    Header& h = source->header;
+    h.bytes.resize(standardHeaderSize(4));
+    putText(h, 0, "LASF");
+    h.set<std::uint8_t>(24, 1);
+    h.set<std::uint8_t>(at::kVersionMinor, 4);
+    // GPS time in "adjusted standard" form, and WKT, which the formats 6-10 ask for
+    h.set<std::uint16_t>(at::kGlobalEncoding,
+                         std::uint16_t(1 | (wkt.empty() && !isExtendedFormat(format) ? 0 : 16)));
+    putText(h, at::kSystemId, "OTHER");
+    putText(h, at::kSoftware, "Punctum");
+    const auto today = std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now());
+    const auto year = std::chrono::year_month_day(today).year();
+    const auto newYear = std::chrono::sys_days(year / std::chrono::January / 1);
+    h.set<std::uint16_t>(at::kCreationDay, std::uint16_t((today - newYear).count() + 1));
+    h.set<std::uint16_t>(at::kCreationYear, std::uint16_t(int(year)));
+    h.set<std::uint16_t>(at::kHeaderSize, std::uint16_t(h.bytes.size()));
+    std::uint64_t offset = h.bytes.size();
+    for (const Vlr& vlr : source->vlrs) offset += vlr.bytesInFile();
+    h.set<std::uint32_t>(at::kPointOffset, std::uint32_t(offset));
+    h.set<std::uint32_t>(at::kVlrCount, std::uint32_t(source->vlrs.size()));
+    h.set<std::uint32_t>(at::kEvlrCount, std::uint32_t(source->evlrs.size()));
+    h.set<std::uint8_t>(at::kPointFormat, format);
+    h.set<std::uint16_t>(at::kRecordLength, std::uint16_t(length));
+    h.set<std::uint64_t>(at::kPointCount, points);
+    for (std::size_t k = 0; k < 3; ++k) {
+        h.set<double>(at::kScale + 8 * k, coordinates.scale[int(k)]);
+        h.set<double>(at::kOffset + 8 * k, coordinates.offset[int(k)]);
+    }
+
+    source->pointCount = points;
+    source->coordinates = coordinates;
+    const auto records = source->extraBytesRecords();
+    source->layout = makeLayout(format, std::uint16_t(length), records, coordinates, source->warnings);
+    const CrsInfo crs = readCrs(*source);
+    source->crs = crs.text;
+    source->layout.attributes[0].unit = source->layout.attributes[1].unit = crs.horizontalUnit;
+    source->layout.attributes[2].unit = crs.verticalUnit;
+    return source;
+}
+
+}  // namespace punctum::las

@@ -3,18 +3,45 @@
 
 #include "core/cloud/Column.h"
 #include "core/cloud/PointCloud.h"
+#include "core/las/ExtraBytes.h"
 #include "core/las/PointFormat.h"
 
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <cstring>
 #include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-namespace punctum::las {
+namespace punctum::las
+{
+
+static_assert(std::endian::native == std::endian::little, "LAS is little-endian, and so is this code");
+
+/// Offsets of the public header's fields (LAS 1.4 R15, table 3).
+namespace at
+{
+constexpr std::size_t kFileSourceId = 4, kGlobalEncoding = 6, kVersionMinor = 25, kSystemId = 26, kSoftware = 58,
+                      kCreationDay = 90, kCreationYear = 92, kHeaderSize = 94, kPointOffset = 96, kVlrCount = 100,
+                      kPointFormat = 104, kRecordLength = 105, kLegacyCount = 107, kLegacyByReturn = 111,
+                      kScale = 131, kOffset = 155, kBounds = 179, kWaveformStart = 227, kEvlrStart = 235,
+                      kEvlrCount = 243, kPointCount = 247, kByReturn = 255, kTimeOffset = 391;
+}
+
+/// Size of the standard header of version 1.minor; user bytes may follow it.
+std::uint16_t standardHeaderSize(std::uint8_t versionMinor) noexcept;
 
 /// A variable length record, plain (54-byte header) or extended (60), kept byte for byte.
 struct Vlr {
+    static constexpr std::size_t kHeaderSize = 54;
+    static constexpr std::size_t kExtendedHeaderSize = 60;
+
     std::uint16_t reserved = 0;
     std::array<char, 16> userId{};
     std::uint16_t recordId = 0;
@@ -24,7 +51,12 @@ struct Vlr {
 
     std::string user() const;  ///< userId up to the first NUL
     bool is(std::string_view user, std::uint16_t id) const { return recordId == id && this->user() == user; }
+    std::uint64_t bytesInFile() const { return (extended ? kExtendedHeaderSize : kHeaderSize) + data.size(); }
 };
+
+/// A record of our own; user and description are cut to 16 and 32 bytes.
+Vlr makeVlr(std::string_view user, std::uint16_t id, std::string_view description, std::vector<std::byte> data,
+            bool extended = false);
 
 /// The public header block (LAS 1.4 R15, table 3): the file's own bytes, with typed access to fields.
 /// Bytes beyond the standard's end (user bytes) are kept at the end of `bytes`.
@@ -32,9 +64,19 @@ struct Header {
     std::vector<std::byte> bytes;
 
     template <typename T>
-    T get(std::size_t offset) const;       ///< little-endian field; 0 when the header is too short
+    T get(std::size_t offset) const  ///< little-endian field; 0 when the header is too short
+    {
+        T value{};
+        if (offset <= bytes.size() && sizeof(T) <= bytes.size() - offset)
+            std::memcpy(&value, bytes.data() + offset, sizeof(T));
+        return value;
+    }
     template <typename T>
-    void set(std::size_t offset, T value); ///< nothing when the header is too short
+    void set(std::size_t offset, T value)  ///< nothing when the header is too short
+    {
+        if (offset <= bytes.size() && sizeof(T) <= bytes.size() - offset)
+            std::memcpy(bytes.data() + offset, &value, sizeof(T));
+    }
 
     std::uint8_t versionMajor() const { return get<std::uint8_t>(24); }
     std::uint8_t versionMinor() const { return get<std::uint8_t>(25); }
@@ -42,35 +84,81 @@ struct Header {
     std::uint16_t headerSize() const { return get<std::uint16_t>(94); }
     std::uint32_t pointOffset() const { return get<std::uint32_t>(96); }
     std::uint8_t pointFormat() const { return get<std::uint8_t>(104) & 0x3F; }
-    bool compressed() const { return (get<std::uint8_t>(104) & 0x80) != 0; }
+    bool compressed() const { return (get<std::uint8_t>(104) & 0xC0) != 0; }
     std::uint16_t recordLength() const { return get<std::uint16_t>(105); }
-    std::string version() const;           ///< "1.4"
+    /// Whether fields of 1.4 are there: by the version, and by the header's real size.
+    bool extendedCounts() const { return versionMinor() >= 4 && bytes.size() >= 375; }
+    std::string version() const;  ///< "1.4"
+};
+
+/// What the points were when they were read, from which saving tells whether the header's figures still hold.
+/// Filled by Reader::read, from any thread; copies are taken under the lock.
+class PointsAsRead
+{
+public:
+    struct Summary {
+        bool complete = false;                     ///< all points were looked at
+        RawBounds bounds;                          ///< of the points that could be read
+        std::array<std::uint64_t, 16> byReturn{};  ///< points of return number 0 to 15
+        std::vector<PointRange> missing;           ///< damaged: their values are 0 and mean nothing
+    };
+    Summary get() const
+    {
+        const std::lock_guard lock(m_mutex);
+        return m_summary;
+    }
+    void set(Summary summary)
+    {
+        const std::lock_guard lock(m_mutex);
+        m_summary = std::move(summary);
+    }
+
+private:
+    mutable std::mutex m_mutex;
+    Summary m_summary;
 };
 
 /// Everything of a LAS/LAZ file that is not a point, as read: what saving writes back unless it must change.
-/// Immutable once made; shared by the reader, the cloud and the writer.
+/// Immutable once made (but for `asRead`); shared by the reader, the cloud and the writer.
 struct SourceFile {
-    std::filesystem::path path;
+    std::filesystem::path path;  ///< empty for a cloud made here
     std::uint64_t fileSize = 0;
     Header header;
     std::vector<Vlr> vlrs;                   ///< laszip's own record included when compressed
     std::vector<std::byte> gapBeforePoints;  ///< bytes between the last VLR and the points
     std::vector<std::byte> gapAfterPoints;   ///< bytes between the points (LAZ: chunk table) and the first EVLR
-    std::vector<Vlr> evlrs;
-    std::vector<std::byte> tail;             ///< bytes after the last EVLR
+    std::vector<Vlr> evlrs;                  ///< of 1.3: the waveform record, when it is in the file
+    std::vector<std::byte> tail;             ///< bytes after the last EVLR (or after the points if there is none)
 
     bool compressed = false;
-    PointIndex pointCount = 0;     ///< points that can be read: the data decides, not the header
-    RecordLayout layout;           ///< record <-> columns
-    CoordinateScale coordinates;   ///< scale 1, offset 0 where the header's are unusable (then warned of)
-    WorldBounds firstBounds;       ///< a first idea of the extent, from header and sampled records
-    RawBounds sampledBounds;       ///< of the sampled records
-    std::string crs;               ///< WKT or a line on the GeoTIFF keys; empty when there is none
+    PointIndex pointCount = 0;    ///< points that can be read: the data decides, not the header
+    RecordLayout layout;          ///< record <-> columns
+    CoordinateScale coordinates;  ///< scale 1, offset 0 where the header's are unusable (then warned of)
+    WorldBounds firstBounds;      ///< a first idea of the extent, from header and sampled records
+    RawBounds sampledBounds;      ///< of the sampled records
+    std::string crs;              ///< WKT or a line on the GeoTIFF keys; empty when there is none
 
     std::vector<std::string> warnings;  ///< one sentence each, for the user
     bool recovered = false;             ///< something is missing or damaged: save only under another name
 
+    std::shared_ptr<PointsAsRead> asRead = std::make_shared<PointsAsRead>();
+
     const Vlr* findVlr(std::string_view user, std::uint16_t id) const;  ///< VLRs, then EVLRs
+    /// All Extra Bytes records, VLRs then EVLRs, in file order.
+    std::vector<const Vlr*> extraBytesRecords() const;
+    /// Index into `evlrs` of the record that the header's waveform start points at.
+    std::optional<std::size_t> waveformEvlr;
 };
+
+/// The non-point part of a cloud made here: LAS 1.4, uncompressed, `format` with these extra bytes, the WKT (may be
+/// empty) as a VLR. Counts and bounds are written when the cloud is saved. Throws Error on an unknown format.
+///
+/// Example:
+///     auto source = las::makeSource(7, fields, coordinates, wkt, n);
+///     auto cloud = std::make_shared<PointCloud>(n, coordinates);
+///     las::makeColumns(*cloud, source->layout);
+///     cloud->setSource(source);
+std::shared_ptr<SourceFile> makeSource(std::uint8_t format, std::span<const ExtraBytesField> extraBytes,
+                                       const CoordinateScale& coordinates, std::string_view wkt, PointIndex points);
 
 }  // namespace punctum::las

@@ -9,17 +9,19 @@
 #include <string>
 #include <vector>
 
-namespace punctum {
+namespace punctum
+{
 class Progress;
 }
 
-namespace punctum::las {
+namespace punctum::las
+{
 
 struct WriteOptions {
-    bool compressed = false;                     ///< LAZ
-    std::optional<std::uint8_t> versionMinor;    ///< 2, 3 or 4; default: as the source, 4 for clouds made here
-    std::optional<std::uint8_t> pointFormat;     ///< 0-10; default: as the source
-    bool verify = true;                          ///< decode the written file and compare before it takes its name
+    bool compressed = false;                   ///< LAZ
+    std::optional<std::uint8_t> versionMinor;  ///< 2, 3 or 4; default: as the source, 4 for clouds made here
+    std::optional<std::uint8_t> pointFormat;   ///< 0-10; default: as the source
+    bool verify = true;                        ///< decode the written file and compare before it takes its name
 };
 
 /// What was written, and what had to be different from the source (one sentence each).

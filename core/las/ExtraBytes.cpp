@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+#include "core/las/ExtraBytes.h"
+
+#include "core/las/SourceFile.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+namespace punctum::las
+{
+
+namespace
+{
+
+constexpr std::size_t kNameAt = 4, kDescriptionAt = 160, kTextSize = 32;
+constexpr std::size_t kScaleAt = 112, kOffsetAt = 136;
+
+/// Length of the UTF-8 character at `p`, 0 when it is not one.
+std::size_t utf8Length(const unsigned char* p, std::size_t left)
+{
+    const auto continued = [&](std::size_t n) {
+        if (left < n) return false;
+        return std::all_of(p + 1, p + n, [](unsigned char c) { return (c & 0xC0) == 0x80; });
+    };
+    if (p[0] < 0x80) return 1;
+    if (p[0] >= 0xC2 && p[0] <= 0xDF) return continued(2) ? 2 : 0;
+    if (p[0] >= 0xE0 && p[0] <= 0xEF) {
+        if (!continued(3) || (p[0] == 0xE0 && p[1] < 0xA0) || (p[0] == 0xED && p[1] > 0x9F)) return 0;
+        return 3;
+    }
+    if (p[0] >= 0xF0 && p[0] <= 0xF4) {
+        if (!continued(4) || (p[0] == 0xF0 && p[1] < 0x90) || (p[0] == 0xF4 && p[1] > 0x8F)) return 0;
+        return 4;
+    }
+    return 0;
+}
+
+bool isUtf8(const std::string& text)
+{
+    const auto* p = reinterpret_cast<const unsigned char*>(text.data());
+    for (std::size_t i = 0; i < text.size();) {
+        const std::size_t n = utf8Length(p + i, text.size() - i);
+        if (n == 0) return false;
+        i += n;
+    }
+    return true;
+}
+
+void putText(ExtraBytesDescriptor& d, std::size_t at, const std::string& text)
+{
+    const std::string cut = cutUtf8(text, kTextSize);
+    std::memcpy(d.bytes.data() + at, cut.data(), cut.size());
+}
+
+void putNumber(ExtraBytesDescriptor& d, std::size_t at, double value)
+{
+    std::memcpy(d.bytes.data() + at, &value, sizeof value);
+}
+
+}  // namespace
+
+std::string fixedText(std::span<const std::byte> field)
+{
+    std::string text(reinterpret_cast<const char*>(field.data()), field.size());
+    text.resize(std::min(text.find('\0'), text.size()));
+    while (!text.empty() && text.back() == ' ') text.pop_back();
+    if (!isUtf8(text)) {
+        std::string utf8;
+        for (const char ch : text) {
+            const auto c = static_cast<unsigned char>(ch);
+            if (c < 0x80) {
+                utf8 += ch;
+            } else {
+                utf8 += char(0xC0 | (c >> 6));
+                utf8 += char(0x80 | (c & 0x3F));
+            }
+        }
+        text = utf8;
+    }
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+    return text;
+}
+
+std::string cutUtf8(const std::string& text, std::size_t bytes)
+{
+    if (text.size() <= bytes) return text;
+    std::size_t end = bytes;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
+    return text.substr(0, end);
+}
+
+std::string ExtraBytesDescriptor::name() const
+{
+    return fixedText(std::span(bytes).subspan(kNameAt, kTextSize));
+}
+
+std::string ExtraBytesDescriptor::description() const
+{
+    return fixedText(std::span(bytes).subspan(kDescriptionAt, kTextSize));
+}
+
+std::uint64_t ExtraBytesDescriptor::bits(std::size_t at, std::size_t k) const
+{
+    std::uint64_t v = 0;
+    if (at + k * 8 + 8 <= kSize) std::memcpy(&v, bytes.data() + at + k * 8, 8);
+    return v;
+}
+
+double ExtraBytesDescriptor::number(std::size_t at, std::size_t k) const
+{
+    return std::bit_cast<double>(bits(at, k));
+}
+
+ExtraBytesDescriptor makeDescriptor(const ExtraBytesField& field)
+{
+    // LAS 1.4 R15, table 25: types 1 to 10 are in the order of ScalarType.
+    ExtraBytesDescriptor d;
+    d.bytes[2] = std::byte(int(field.type) + 1);
+    d.bytes[3] = std::byte((field.scale ? 8 : 0) | (field.offset ? 16 : 0));
+    putText(d, kNameAt, field.name);
+    putText(d, kDescriptionAt, field.description);
+    if (field.scale) putNumber(d, kScaleAt, *field.scale);
+    if (field.offset) putNumber(d, kOffsetAt, *field.offset);
+    return d;
+}
+
+ExtraBytesDescriptor makeOpaqueDescriptor(std::uint8_t length, const std::string& name)
+{
+    ExtraBytesDescriptor d;
+    d.bytes[3] = std::byte(length);
+    putText(d, kNameAt, name);
+    return d;
+}
+
+std::vector<ExtraBytesItem> parseExtraBytes(std::span<const Vlr* const> records, std::uint32_t first,
+                                            std::uint32_t last, std::vector<std::string>& warnings)
+{
+    std::vector<ExtraBytesItem> items;
+    std::uint32_t at = first;
+    std::size_t number = 0;
+    for (const Vlr* record : records) {
+        if (record->data.size() % ExtraBytesDescriptor::kSize != 0)
+            warnings.push_back("The extra bytes record has " + std::to_string(record->data.size()) +
+                               " bytes, which is not a whole number of descriptions; the rest is ignored.");
+        for (std::size_t k = 0; k + ExtraBytesDescriptor::kSize <= record->data.size();
+             k += ExtraBytesDescriptor::kSize) {
+            ++number;
+            ExtraBytesItem item;
+            std::memcpy(item.descriptor.bytes.data(), record->data.data() + k, ExtraBytesDescriptor::kSize);
+            const unsigned type = item.descriptor.type();
+            const std::string which =
+                "extra bytes description " + std::to_string(number) + " (" + item.descriptor.name() + ")";
+            if (type > 30) {
+                warnings.push_back("The " + which + " has the reserved type " + std::to_string(type) +
+                                   "; the rest of the extra bytes is kept without a meaning.");
+                return items;
+            }
+            if (type == 0) {
+                item.opaque = true;
+                item.values = item.descriptor.options();
+            } else {
+                item.type = ScalarType((type - 1) % 10);
+                item.values = (type - 1) / 10 + 1;
+            }
+            item.bytes = std::uint32_t(item.values * sizeOf(item.type));
+            if (item.bytes == 0) {
+                warnings.push_back("The " + which + " covers no bytes and is ignored.");
+                continue;
+            }
+            if (item.bytes > last - at) {
+                warnings.push_back("The " + which +
+                                   " reaches beyond the end of the point record; it and what follows "
+                                   "it are ignored.");
+                return items;
+            }
+            item.offset = at;
+            at += item.bytes;
+            items.push_back(item);
+        }
+    }
+    return items;
+}
+
+}  // namespace punctum::las
