@@ -1,1 +1,182 @@
 // SPDX-License-Identifier: MIT
+#include "core/edit/Command.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <mutex>
+#include <utility>
+
+namespace punctum {
+
+namespace {
+
+/// Words of the set that one task takes at a time: 32,768 points.
+constexpr std::size_t kBlockWords = 512;
+
+/// Swaps the masked bits of the members of words [first, last) with `values`.
+template <typename T>
+void swapBits(const PointSet& points, std::size_t first, std::size_t last, std::byte* column, std::byte* values,
+              T mask)
+{
+    T* const data = reinterpret_cast<T*>(column);
+    points.forEachInWords(first, last, [&](PointIndex i) {
+        T value;
+        std::memcpy(&value, values, sizeof value);  // the vector of bytes promises no alignment
+        const T difference = T((data[i] ^ value) & mask);
+        data[i] = T(data[i] ^ difference);
+        value = T(value ^ difference);
+        std::memcpy(values, &value, sizeof value);
+        values += sizeof value;
+    });
+}
+
+void swapBytes(const PointSet& points, std::size_t first, std::size_t last, std::byte* column, std::byte* values,
+               std::size_t elementBytes)
+{
+    points.forEachInWords(first, last, [&](PointIndex i) {
+        std::swap_ranges(values, values + elementBytes, column + i * elementBytes);
+        values += elementBytes;
+    });
+}
+
+bool sameShape(const Column& a, const Column& b)
+{
+    return a.type() == b.type() && a.components() == b.components() && a.size() == b.size();
+}
+
+bool contains(const std::vector<std::shared_ptr<Column>>& columns, const std::shared_ptr<Column>& column)
+{
+    return std::find(columns.begin(), columns.end(), column) != columns.end();
+}
+
+/// Adds the attribute, and those of its columns that the cloud does not have yet.
+void addWithColumns(PointCloud& cloud, const Attribute& attribute)
+{
+    for (std::uint32_t c = 0; c < attribute.components; ++c)
+        if (!contains(cloud.columns(), attribute.columns[c])) cloud.addColumn(attribute.columns[c]);
+    cloud.addAttribute(attribute);
+}
+
+}  // namespace
+
+ValueCommand::ValueCommand(std::string name, const Attribute& attribute, std::shared_ptr<const PointSet> points,
+                           std::vector<std::byte> values)
+    : Command(std::move(name)),
+      m_notice{ChangeNotice::Kind::Values, {attribute.name}, points},
+      m_column(attribute.columns[0]),
+      m_points(std::move(points)),
+      m_values(std::move(values))
+{
+    const std::size_t words = m_points->words().size();
+    m_rankOfBlock.reserve(words / kBlockWords + 1);
+    for (std::size_t first = 0; first < words; first += kBlockWords) {
+        m_rankOfBlock.push_back(m_count);
+        const std::size_t last = std::min(words, first + kBlockWords);
+        for (std::size_t w = first; w < last; ++w) m_count += PointIndex(std::popcount(m_points->words()[w]));
+    }
+    assert(m_points->size() == m_column->size());
+    assert(m_values.size() == m_count * m_column->elementBytes());
+    if (attribute.bitWidth != 0) m_mask = attribute.maxBits() << attribute.bitShift;
+}
+
+void ValueCommand::apply(PointCloud& cloud) noexcept
+{
+    {
+        const std::unique_lock lock(cloud.mutex());
+        std::byte* const column = m_column->data();
+        const std::size_t bytes = m_column->elementBytes();
+        // Isolated: while it waits for its helpers, this thread must not pick up work that wants the lock it holds.
+        tbb::this_task_arena::isolate([&] {
+            tbb::parallel_for(std::size_t(0), m_rankOfBlock.size(), [&](std::size_t block) {
+                const std::size_t first = block * kBlockWords;
+                const std::size_t last = std::min(m_points->words().size(), first + kBlockWords);
+                std::byte* const values = m_values.data() + m_rankOfBlock[block] * bytes;
+                switch (bytes) {
+                    case 1:
+                        swapBits(*m_points, first, last, column, values, std::uint8_t(m_mask));
+                        break;
+                    case 2:
+                        swapBits(*m_points, first, last, column, values, std::uint16_t(m_mask));
+                        break;
+                    case 4:
+                        swapBits(*m_points, first, last, column, values, std::uint32_t(m_mask));
+                        break;
+                    case 8:
+                        swapBits(*m_points, first, last, column, values, m_mask);
+                        break;
+                    default:
+                        swapBytes(*m_points, first, last, column, values, bytes);
+                }
+            });
+        });
+    }
+    cloud.notify(m_notice);
+}
+
+AttributesCommand::AttributesCommand(std::string name, std::vector<Attribute> attributes)
+    : Command(std::move(name)), m_attributes(std::move(attributes))
+{
+    if (!m_attributes.empty()) m_changedPoints = m_attributes.front().size();
+}
+
+/// Whether `ours` can take the place of `theirs`, given the trades planned before; plans it if so.
+bool AttributesCommand::planTrade(const Attribute& theirs, const Attribute& ours)
+{
+    if (theirs.components != ours.components || theirs.bitWidth != 0 || ours.bitWidth != 0) return false;
+    if (theirs.scaled != ours.scaled || theirs.scale != ours.scale || theirs.offset != ours.offset) return false;
+    auto planned = m_trades;
+    for (std::uint32_t c = 0; c < ours.components; ++c) {
+        const Trade trade{theirs.columns[c], ours.columns[c]};
+        if (!sameShape(*trade.theirs, *trade.ours)) return false;
+        if (std::find(planned.begin(), planned.end(), trade) != planned.end()) continue;
+        for (const Trade& other : planned)
+            if (other.theirs == trade.theirs || other.ours == trade.ours) return false;
+        planned.push_back(trade);
+    }
+    m_trades = std::move(planned);
+    return true;
+}
+
+void AttributesCommand::plan(const PointCloud& cloud)
+{
+    m_values.kind = ChangeNotice::Kind::Values;
+    m_list.kind = ChangeNotice::Kind::Attributes;
+    for (Attribute& attribute : m_attributes) {
+        const Attribute* const there = cloud.findAttribute(attribute.name);
+        if (there != nullptr && planTrade(*there, attribute)) {
+            m_values.attributes.push_back(attribute.name);
+            continue;
+        }
+        if (there != nullptr) m_displaced.push_back(*there);
+        m_list.attributes.push_back(attribute.name);
+        m_added.push_back(std::move(attribute));
+    }
+    m_attributes.clear();
+    // What is added may show a column that traded places: the new values are in the cloud's column then.
+    for (Attribute& attribute : m_added)
+        for (std::uint32_t c = 0; c < attribute.components; ++c)
+            for (const Trade& trade : m_trades)
+                if (trade.ours == attribute.columns[c]) attribute.columns[c] = trade.theirs;
+}
+
+void AttributesCommand::apply(PointCloud& cloud) noexcept
+{
+    {
+        const std::unique_lock lock(cloud.mutex());
+        // Made once: a command is undone and redone on the same state of the cloud.
+        if (!std::exchange(m_planned, true)) plan(cloud);
+        for (const Trade& trade : m_trades) std::swap(*trade.theirs, *trade.ours);
+        for (const Attribute& attribute : m_done ? m_added : m_displaced) cloud.removeAttribute(attribute.name);
+        for (const Attribute& attribute : m_done ? m_displaced : m_added) addWithColumns(cloud, attribute);
+        m_done = !m_done;
+    }
+    if (!m_list.attributes.empty()) cloud.notify(m_list);
+    if (!m_values.attributes.empty()) cloud.notify(m_values);
+}
+
+}  // namespace punctum

@@ -3,6 +3,8 @@
 
 #include "core/cloud/PointCloud.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,7 +17,7 @@ namespace punctum {
 /// so that applying again undoes it. Memory: the changed values and a bit a point, or the added columns.
 class Command {
 public:
-    Command(std::string name) : m_name(std::move(name)) {}
+    explicit Command(std::string name) : m_name(std::move(name)) {}
     virtual ~Command() = default;
     Command(const Command&) = delete;
     Command& operator=(const Command&) = delete;
@@ -33,10 +35,13 @@ private:
 };
 
 /// New values of one column for a set of points.
+///
+/// Where the attribute is a bit field, only its bits are swapped: the other fields of the byte keep what other
+/// commands gave them.
 class ValueCommand final : public Command {
 public:
     /// `values`: raw elements (column.elementBytes() each) of the points in `points`, in rising index order.
-    /// `attribute`: the attribute that is being changed, named in the change notice.
+    /// `attribute`: the attribute that is being changed, named in the change notice; its first column is meant.
     ValueCommand(std::string name, const Attribute& attribute, std::shared_ptr<const PointSet> points,
                  std::vector<std::byte> values);
 
@@ -44,26 +49,48 @@ public:
     void apply(PointCloud& cloud) noexcept override;
 
 private:
-    std::string m_attribute;
+    ChangeNotice m_notice;  ///< made early, so that apply() has nothing to allocate
     std::shared_ptr<Column> m_column;
     std::shared_ptr<const PointSet> m_points;
     std::vector<PointIndex> m_rankOfBlock;  ///< members before each block of words: lets threads share the swap
     PointIndex m_count = 0;
+    std::uint64_t m_mask = ~std::uint64_t(0);  ///< bits of an element that belong to the attribute
     std::vector<std::byte> m_values;
 };
 
 /// Adds attributes with columns that are already filled (normals); undoing takes them out again.
-/// An attribute of the cloud that has the same name is replaced, and comes back when undone.
+///
+/// An attribute of the cloud that has the same name is replaced, and comes back when undone. Where the types agree
+/// the columns trade contents in their places, so that a column of the file's record keeps its place in the record.
+/// Replacing an attribute of the file's record by one of another type is not supported: the record would not fit.
 class AttributesCommand final : public Command {
 public:
+    /// Columns that several of the attributes show (NormalX and Normal) are shared between them.
     AttributesCommand(std::string name, std::vector<Attribute> attributes);
 
-    PointIndex changedPoints() const noexcept override;
+    PointIndex changedPoints() const noexcept override { return m_changedPoints; }
     void apply(PointCloud& cloud) noexcept override;
 
 private:
-    std::vector<std::string> m_names;    ///< of all attributes the command is about
-    std::vector<Attribute> m_attributes; ///< those not in the cloud at present
+    /// Two columns of one shape that swap contents.
+    struct Trade {
+        std::shared_ptr<Column> theirs;  ///< in the cloud
+        std::shared_ptr<Column> ours;
+        friend bool operator==(const Trade&, const Trade&) = default;
+    };
+
+    void plan(const PointCloud& cloud);
+    bool planTrade(const Attribute& theirs, const Attribute& ours);
+
+    std::vector<Attribute> m_attributes;  ///< what was asked for; empty once planned
+    PointIndex m_changedPoints = 0;
+    bool m_planned = false;
+    bool m_done = false;
+    std::vector<Trade> m_trades;
+    std::vector<Attribute> m_added;
+    std::vector<Attribute> m_displaced;  ///< taken out of the cloud, because their types do not agree
+    ChangeNotice m_values;
+    ChangeNotice m_list;
 };
 
 }  // namespace punctum

@@ -14,12 +14,13 @@ namespace punctum {
 /// The commands done to one cloud, in order, and how many of them are in force.
 ///
 /// push(), undo() and redo() change points, so they run in a job; one at a time, guarded inside. The questions may
-/// be asked from any thread.
+/// be asked from any thread; until one of the three returns they are answered as before it. A listener of the
+/// cloud must not call the three.
 class History {
 public:
     explicit History(std::shared_ptr<PointCloud> cloud) : m_cloud(std::move(cloud)) {}
 
-    /// Applies the command and puts it on top; commands that were undone are gone.
+    /// Applies the command and puts it on top; commands that were undone are gone. Null: nothing happens.
     void push(std::unique_ptr<Command> command);
     void undo();  ///< nothing when there is nothing to undo
     void redo();
@@ -36,11 +37,11 @@ public:
 
 private:
     std::shared_ptr<PointCloud> m_cloud;
-    std::mutex m_changing;        ///< one change at a time
-    mutable std::mutex m_mutex;   ///< guards what follows
+    std::mutex m_changing;       ///< one change at a time
+    mutable std::mutex m_mutex;  ///< guards what follows
     std::vector<std::unique_ptr<Command>> m_commands;
     std::size_t m_done = 0;
-    std::ptrdiff_t m_saved = 0;   ///< -1: the saved state can no longer be reached
+    std::ptrdiff_t m_saved = 0;  ///< -1: the saved state can no longer be reached
 };
 
 }  // namespace punctum

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/process/Step.h"
+
+namespace punctum {
+
+/// reclassify attribute=NAME min=A max=B class=C: the class of all points whose value lies from A to B.
+///
+/// The range includes its ends; no-data and NaN are never in it. Whole numbers are compared exactly; bounds of
+/// scaled integers (Z, scan angle) are taken to the nearest step when they are within a millionth of it, so that
+/// max=410.5 includes what the file stores as 41050.
+class ReclassifyStep final : public Step {
+public:
+    std::string name() const override { return "reclassify"; }
+    std::string title() const override { return "Reclassify"; }
+    std::string help() const override;
+    std::vector<StepParameter> parameters() const override;
+    std::unique_ptr<Command> run(const PointCloud& cloud, const StepValues& values,
+                                 Progress& progress) const override;
+};
+
+}  // namespace punctum
