@@ -13,7 +13,7 @@ namespace punctum {
 
 namespace {
 
-constexpr std::size_t kReadableTail = 64;
+constexpr std::size_t kReadableTail = 128;
 constexpr std::size_t kPage = 4096;
 constexpr std::size_t kHugePage = std::size_t(2) << 20;
 

@@ -8,7 +8,7 @@ namespace punctum {
 /// Zero-filled memory for large arrays, in huge pages where the system gives them.
 ///
 /// Pages are taken only when first touched, so that a large column costs nothing until it is filled.
-/// Move-only; an empty Buffer owns nothing. 64-byte aligned, and readable for 64 bytes past its end, so that
+/// Move-only; an empty Buffer owns nothing. Page aligned, and readable for 128 bytes past its end, so that
 /// SIMD code may load whole vectors at the end of an array.
 class Buffer {
 public:

@@ -1,1 +1,122 @@
 // SPDX-License-Identifier: MIT
+#include "render/camera/Camera.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace punctum::render {
+
+namespace {
+
+constexpr double kRightAngle = std::numbers::pi / 2;
+
+
+}  // namespace
+
+glm::dvec3 Camera::right() const noexcept { return {std::cos(yaw), std::sin(yaw), 0.0}; }
+
+glm::dvec3 Camera::forward() const noexcept
+{
+    return {-std::sin(yaw) * std::cos(pitch), std::cos(yaw) * std::cos(pitch), std::sin(pitch)};
+}
+
+glm::dvec3 Camera::up() const noexcept { return glm::cross(right(), forward()); }
+
+double Camera::pivotDepth() const noexcept
+{
+    const double depth = glm::dot(pivot - eye, forward());
+    return depth > 0 ? std::max(depth, 1e-12) : std::max(glm::length(pivot - eye), 1e-12);
+}
+
+double Camera::unitsPerPixel(double heightPx) const noexcept
+{
+    return 2.0 * std::tan(fovY / 2) * pivotDepth() / std::max(heightPx, 1.0);
+}
+
+void Camera::orbit(double deltaYaw, double deltaPitch) noexcept
+{
+    const double newPitch = std::clamp(pitch + deltaPitch, -kRightAngle, kRightAngle);
+    const double turn = newPitch - pitch;
+    // The pivot keeps its place in view coordinates: take the eye's offset there, turn the axes, put it back.
+    const glm::dvec3 offset = eye - pivot;
+    const glm::dvec3 inView(glm::dot(offset, right()), glm::dot(offset, up()), glm::dot(offset, forward()));
+    yaw = std::remainder(yaw + deltaYaw, 2 * std::numbers::pi);
+    pitch += turn;
+    eye = pivot + right() * inView.x + up() * inView.y + forward() * inView.z;
+}
+
+void Camera::pan(glm::dvec2 deltaPx, double heightPx) noexcept
+{
+    const double unit = unitsPerPixel(heightPx);
+    const glm::dvec3 move = (up() * deltaPx.y - right() * deltaPx.x) * unit;
+    eye += move;
+    pivot += move;
+}
+
+void Camera::zoomTowards(const glm::dvec3& target, double factor) noexcept
+{
+    eye = target + (eye - target) * factor;
+    // The pivot follows along the line of sight, so that the next orbit turns about what is in the middle now.
+    pivot = target + (pivot - target) * factor;
+}
+
+glm::dvec3 Camera::unproject(glm::dvec2 px, glm::dvec2 sizePx) const noexcept
+{
+    const double unit = unitsPerPixel(sizePx.y);
+    return eye + forward() * pivotDepth() + right() * ((px.x - sizePx.x / 2) * unit) -
+           up() * ((px.y - sizePx.y / 2) * unit);
+}
+
+glm::dvec3 Camera::project(const glm::dvec3& world, glm::dvec2 sizePx) const noexcept
+{
+    const glm::dvec3 offset = world - eye;
+    const double depth = glm::dot(offset, forward());
+    const double scale = orthographic ? 1.0 / unitsPerPixel(sizePx.y)
+                                      : sizePx.y / 2 / std::tan(fovY / 2) / (depth != 0 ? depth : 1e-300);
+    return {sizePx.x / 2 + glm::dot(offset, right()) * scale, sizePx.y / 2 - glm::dot(offset, up()) * scale, depth};
+}
+
+void Camera::fit(const WorldBounds& bounds, glm::dvec2 sizePx) noexcept
+{
+    if (bounds.empty()) return;
+    const glm::dvec3 half = (bounds.max - bounds.min) * 0.5;
+    pivot = bounds.min + half;
+    const double tanY = std::tan(fovY / 2);
+    const double tanX = tanY * sizePx.x / std::max(sizePx.y, 1.0);
+    const glm::dvec3 r = right(), u = up(), f = forward();
+    // The distance from which each corner of the box is inside the picture, plus a small margin.
+    double distance = 0.0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 c((corner & 1 ? 1 : -1) * half.x, (corner & 2 ? 1 : -1) * half.y,
+                           (corner & 4 ? 1 : -1) * half.z);
+        const double across = std::max(std::abs(glm::dot(c, r)) / tanX, std::abs(glm::dot(c, u)) / tanY);
+        distance = std::max(distance, across - (orthographic ? 0.0 : glm::dot(c, f)));
+    }
+    if (distance <= 0) distance = 1.0;
+    eye = pivot - f * (distance * 1.04);
+}
+
+bool Camera::setView(std::string_view name) noexcept
+{
+    const double distance = glm::length(pivot - eye);
+    struct View {
+        std::string_view name;
+        double yaw, pitch;
+    };
+    constexpr View kViews[] = {
+        {"top", 0, -kRightAngle},          {"bottom", 0, kRightAngle}, {"front", 0, 0},
+        {"back", 2 * kRightAngle, 0},      {"left", -kRightAngle, 0},  {"right", kRightAngle, 0},
+        {"iso", kRightAngle / 2, -0.6155},
+    };
+    const auto* view = std::find_if(std::begin(kViews), std::end(kViews), [&](auto& v) { return v.name == name; });
+    if (view == std::end(kViews)) return false;
+    yaw = view->yaw;
+    pitch = view->pitch;
+    eye = pivot - forward() * distance;
+    return true;
+}
+
+}  // namespace punctum::render

@@ -18,7 +18,7 @@ struct ColorMap {
     ColorTable table;
 };
 
-/// All colour maps, from resources/colormaps: grey, viridis, turbo, cividis first.
+/// All colour maps, from resources/colormaps: viridis, turbo, cividis, grey first.
 std::span<const ColorMap> colorMaps();
 /// Null when there is none of that name.
 const ColorMap* findColorMap(std::string_view name);
@@ -32,7 +32,26 @@ struct ClassStyle {
 /// Name and default colour of the 256 class codes, from resources/palettes/asprs.txt.
 const std::array<ClassStyle, 256>& asprsClasses();
 
-/// A colour for an id: neighbours in value get unlike colours, the same id always the same.
-Rgba8 categoryColor(std::uint32_t id) noexcept;
+/// A colour for an id: neighbours in value get unlike colours, the same id always the same. Shaders repeat this
+/// integer arithmetic: hue steps by the golden ratio, three rings of lightness.
+constexpr Rgba8 categoryColor(std::uint32_t id) noexcept
+{
+    // Hue in 1/1536 turns: six ramps of 256, from a multiplication hash (2^32 / golden ratio).
+    const std::uint32_t hue = ((id * 2654435769u) >> 16) * 1536u >> 16;
+    const std::uint32_t ramp = hue & 255u;
+    constexpr std::uint32_t kTop[3] = {235, 205, 250}, kBottom[3] = {70, 40, 130};
+    const std::uint32_t top = kTop[id % 3u], bottom = kBottom[id % 3u];
+    const auto up = std::uint8_t(bottom + (top - bottom) * ramp / 255u);
+    const auto down = std::uint8_t(top - (top - bottom) * ramp / 255u);
+    const auto hi = std::uint8_t(top), lo = std::uint8_t(bottom);
+    switch (hue >> 8) {
+    case 0: return {hi, up, lo, 255};
+    case 1: return {down, hi, lo, 255};
+    case 2: return {lo, hi, up, 255};
+    case 3: return {lo, down, hi, 255};
+    case 4: return {up, lo, hi, 255};
+    default: return {hi, lo, down, 255};
+    }
+}
 
 }  // namespace punctum::render

@@ -22,6 +22,24 @@ enum class OrderKind {
     Stratified,  ///< one random member of each group of K consecutive points in each of K windows
 };
 
+/// How one group of K members is dealt to the K windows: window = member * factor + shift, modulo K.
+struct GroupShuffle {
+    std::uint32_t factor;   ///< odd
+    std::uint32_t inverse;  ///< of factor, modulo 2^32
+    std::uint32_t shift;
+
+    /// `mask` is K - 1.
+    std::uint32_t window(std::uint32_t member, std::uint32_t mask) const noexcept
+    {
+        return (member * factor + shift) & mask;
+    }
+    std::uint32_t member(std::uint32_t window, std::uint32_t mask) const noexcept
+    {
+        return ((window - shift) * inverse) & mask;
+    }
+};
+GroupShuffle groupShuffle(std::uint32_t group) noexcept;
+
 /// A bijection point index <-> slot such that runs of consecutive slots are random subsets of the cloud.
 ///
 /// Runs are uniform when they cover whole windows: begin and end drawing at multiples of windowSize().
@@ -38,8 +56,12 @@ public:
     /// Slots of the smallest run that is spread over the whole cloud.
     Slot windowSize() const noexcept { return m_window; }
 
+    /// Stratified: K - 1, where K is the number of windows and of members in a group.
+    std::uint32_t memberMask() const noexcept { return (1u << m_groupBits) - 1; }
+    std::uint32_t groupBits() const noexcept { return m_groupBits; }
+
     Slot slotOf(PointIndex index) const noexcept;
-    /// points() or more for a padding slot.
+    /// points() or more for a padding slot. Prime: a few hundred nanoseconds (modular roots); Stratified: a few.
     PointIndex indexOf(Slot slot) const noexcept;
     /// Slots of consecutive points into `out` (range.size() values).
     void slotsOf(PointRange range, Slot* out) const noexcept;
@@ -50,7 +72,7 @@ private:
     Slot m_slots = 0;
     Slot m_window = 1;
     std::uint32_t m_prime = 0;       ///< Prime: largest prime <= points that is 3 mod 4
-    std::uint32_t m_groupBits = 0;   ///< Stratified: log2 of K
+    std::uint32_t m_groupBits = 0;  ///< Stratified: log2 of K
 };
 
 }  // namespace punctum::render

@@ -1,1 +1,430 @@
 // SPDX-License-Identifier: MIT
+#include "render/progressive/ProgressiveRenderer.h"
+
+#include "core/task/Progress.h"
+#include "render/camera/Projection.h"
+#include "render/raster/LayerLookup.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <shared_mutex>
+
+namespace punctum::render {
+
+namespace {
+
+/// Points looked at for the range of a scalar attribute, over all clouds.
+constexpr PointIndex kRangeSamples = 20'000;
+constexpr double kLowPercentile = 0.02;
+constexpr double kHighPercentile = 0.98;
+
+/// Points of one step of attribute streaming: about a millisecond.
+constexpr PointIndex kStreamPoints = 1 << 17;
+
+/// A frame always draws at least so many slots, whatever its time: it must come on.
+constexpr Slot kLeastRun = 65'536;
+
+double now()
+{
+    using namespace std::chrono;
+    return duration<double>(steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+/// One cloud of the view.
+struct ProgressiveRenderer::Entry {
+    std::shared_ptr<PointStore> store;
+    bool loading = true;
+    Slot cursor = 0;               ///< next slot to draw; goes round
+    Slot drawn = 0;                ///< slots drawn in this pass, which shows the present view
+    PointIndex filledAtStart = 0;  ///< points the store had when the pass began
+    PointIndex filledAtRange = 0;  ///< points the store had when the range was last computed
+
+    bool passDone() const noexcept { return drawn >= store->slots(); }
+    bool complete() const noexcept { return passDone() && filledAtStart == store->filled(); }
+};
+
+DisplaySettings::DisplaySettings()
+{
+    const auto& classes = asprsClasses();
+    for (std::size_t k = 0; k < palette.size(); ++k) palette[k] = classes[k].color;
+    classVisible.fill(true);
+}
+
+ProgressiveRenderer::ProgressiveRenderer(std::unique_ptr<RasterBackend> backend) : m_backend(std::move(backend)) {}
+
+ProgressiveRenderer::~ProgressiveRenderer() = default;
+
+void ProgressiveRenderer::setBackend(std::unique_ptr<RasterBackend> backend)
+{
+    m_backend = std::move(backend);
+    m_cost.reset();
+    m_resolveSeconds = 0;
+    m_targetChanged = true;
+}
+
+ProgressiveRenderer::Entry* ProgressiveRenderer::find(const PointCloud& cloud) noexcept
+{
+    const auto it = std::find_if(m_entries.begin(), m_entries.end(),
+                                 [&](const auto& entry) { return &entry->store->cloud() == &cloud; });
+    return it == m_entries.end() ? nullptr : it->get();
+}
+
+void ProgressiveRenderer::addCloud(std::shared_ptr<PointStore> store)
+{
+    auto entry = std::make_unique<Entry>();
+    entry->store = std::move(store);
+    applyDisplay(*entry);
+    m_entries.push_back(std::move(entry));
+    m_layersChanged = m_rangeNeeded = true;
+}
+
+void ProgressiveRenderer::removeCloud(const PointCloud& cloud)
+{
+    std::erase_if(m_entries, [&](const auto& entry) { return &entry->store->cloud() == &cloud; });
+    m_layersChanged = m_rangeNeeded = true;
+}
+
+void ProgressiveRenderer::loadingEnded(const PointCloud& cloud, const RawBounds& bounds)
+{
+    Entry* const entry = find(cloud);
+    if (entry == nullptr) return;
+    entry->loading = false;
+    const std::shared_lock lock(cloud.mutex());
+    entry->store->setBounds(bounds);
+    // Batches that were under way when the attribute was switched may have written the old one's words.
+    if (entry->store->stale()) entry->store->markStale(nullptr);
+    // Slots seen half-written are put right by drawing everything once more into a buffer made anew.
+    m_viewChanged = m_rangeNeeded = true;
+}
+
+void ProgressiveRenderer::valuesChanged(const PointCloud& cloud, const ChangeNotice& notice)
+{
+    Entry* const entry = find(cloud);
+    if (entry == nullptr) return;
+    const std::shared_lock lock(cloud.mutex());
+    const auto encoder = entry->store->encoder();
+    if (!encoder) return;
+    const Attribute* const classes = cloud.findAttribute("Classification");
+    const Attribute* shown = cloud.findAttribute(encoder->attribute().name);
+    if (notice.kind == ChangeNotice::Kind::Attributes) {
+        if (shown != nullptr && shown->columns == encoder->attribute().columns) return;
+        if (shown == nullptr) shown = cloud.findAttribute(firstAttribute(cloud, {0, cloud.size()}));
+        entry->store->show(*shown);
+        m_rangeNeeded = true;
+    } else {
+        const bool classesChanged = classes != nullptr && notice.concerns(*classes);
+        const bool shownChanged = notice.concerns(encoder->attribute());
+        if (!classesChanged && !shownChanged) return;
+        entry->store->markStale(notice.points.get());
+        if (shownChanged) m_rangeNeeded = true;
+        if (classesChanged && !m_scene.allClassesVisible) m_redrawWhenFresh = true;
+    }
+    m_resolveNeeded = true;
+}
+
+void ProgressiveRenderer::setSize(int width, int height)
+{
+    width = std::max(width, 1);
+    height = std::max(height, 1);
+    if (width == m_size.width && height == m_size.height) return;
+    m_size.width = width;
+    m_size.height = height;
+    m_targetChanged = true;
+}
+
+void ProgressiveRenderer::setCamera(const Camera& camera)
+{
+    if (camera == m_camera) return;
+    m_camera = camera;
+    m_viewChanged = true;
+}
+
+void ProgressiveRenderer::setDisplay(const DisplaySettings& display)
+{
+    const DisplaySettings before = std::exchange(m_display, display);
+    if (before.samples != m_display.samples) m_targetChanged = true;
+    if (before.pointSize != m_display.pointSize || before.classVisible != m_display.classVisible)
+        m_viewChanged = true;
+    if (before.range != m_display.range || before.attribute != m_display.attribute) m_rangeNeeded = true;
+    if (before.attribute != m_display.attribute)
+        for (const auto& entry : m_entries) applyDisplay(*entry);
+    m_resolveNeeded = true;
+}
+
+void ProgressiveRenderer::applyDisplay(Entry& entry)
+{
+    if (m_display.attribute.empty()) return;
+    const PointCloud& cloud = entry.store->cloud();
+    const std::shared_lock lock(cloud.mutex());
+    const Attribute* const wanted = cloud.findAttribute(m_display.attribute);
+    const auto encoder = entry.store->encoder();
+    if (wanted == nullptr || wanted->kind == AttributeKind::Opaque) return;
+    if (encoder && encoder->attribute().name == wanted->name && encoder->attribute().columns == wanted->columns)
+        return;
+    entry.store->show(*wanted);
+}
+
+std::string ProgressiveRenderer::shownAttribute() const
+{
+    for (const auto& entry : m_entries)
+        if (const auto encoder = entry->store->encoder()) return encoder->attribute().name;
+    return m_display.attribute;
+}
+
+void ProgressiveRenderer::updateScene()
+{
+    m_size.samples = m_display.samples >= 4 ? 4 : 1;
+    m_scene.layers.clear();
+    PointId firstId = 0;
+    for (const auto& entry : m_entries) {
+        m_scene.layers.push_back(
+            {entry->store.get(), firstId, makeProjection(m_camera, *entry->store, m_size, m_display.pointSize)});
+        firstId += entry->store->slots();
+    }
+    m_scene.classVisible = m_display.classVisible;
+    m_scene.allClassesVisible =
+        std::all_of(m_scene.classVisible.begin(), m_scene.classVisible.end(), [](bool visible) { return visible; });
+}
+
+void ProgressiveRenderer::updateRange()
+{
+    if (m_display.range) {
+        m_range = *m_display.range;
+        m_rangeNeeded = false;
+        return;
+    }
+    std::vector<double> values;
+    for (const auto& entry : m_entries) {
+        PointStore& store = *entry->store;
+        const auto encoder = store.encoder();
+        entry->filledAtRange = store.filled();
+        if (!encoder || encoder->kind() != WordKind::Scalar) continue;
+        const std::shared_lock lock(store.cloud().mutex());
+        const PointIndex points = store.cloud().size();
+        const PointIndex samples = std::min(points, kRangeSamples / m_entries.size() + 1);
+        for (PointIndex k = 0; k < samples; ++k) {
+            const PointIndex i = k * points / samples;
+            if (!store.isFilled(i)) continue;
+            const double v = encoder->attribute().number(i);
+            if (std::isfinite(v)) values.push_back(v);
+        }
+    }
+    m_rangeNeeded = false;
+    if (values.empty()) return;
+    const auto percentile = [&](double share) {
+        const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+        std::nth_element(values.begin(), at, values.end());
+        return *at;
+    };
+    m_range = {percentile(kLowPercentile), percentile(kHighPercentile)};
+}
+
+void ProgressiveRenderer::beginPass() noexcept
+{
+    for (const auto& entry : m_entries) {
+        entry->drawn = 0;
+        entry->filledAtStart = entry->store->filled();
+    }
+}
+
+void ProgressiveRenderer::refreshVisible()
+{
+    const bool stale = std::any_of(m_entries.begin(), m_entries.end(), [](auto& e) { return e->store->stale(); });
+    if (!stale) return;
+    m_backend->visibleIds(m_visible);
+    std::vector<std::vector<Slot>> slots(m_scene.layers.size());
+    LayerLookup lookup(m_scene);
+    for (const PointId id : m_visible) {
+        const std::size_t layer = lookup.layerOf(id);
+        slots[layer].push_back(id - m_scene.layers[layer].firstId);
+    }
+    for (std::size_t layer = 0; layer < m_entries.size(); ++layer) {
+        PointStore& store = *m_entries[layer]->store;
+        const std::shared_lock lock(store.cloud().mutex());
+        store.refresh(slots[layer]);
+    }
+    m_resolveNeeded = true;
+}
+
+void ProgressiveRenderer::streamAttributes(double deadline)
+{
+    bool fresh = true;
+    for (const auto& entry : m_entries) {
+        while (entry->store->stale() && now() < deadline) {
+            const std::shared_lock lock(entry->store->cloud().mutex());
+            entry->store->refreshNext(kStreamPoints);
+        }
+        fresh = fresh && !entry->store->stale();
+    }
+    if (fresh && std::exchange(m_redrawWhenFresh, false)) m_viewChanged = true;
+}
+
+PointIndex ProgressiveRenderer::fill(double deadline)
+{
+    PointIndex total = 0;
+    for (bool first = true;; first = false) {
+        // The cloud that is furthest behind goes next, so that all converge together.
+        std::size_t next = m_entries.size();
+        double least = 1.0;
+        for (std::size_t k = 0; k < m_entries.size(); ++k) {
+            Entry& entry = *m_entries[k];
+            if (entry.passDone() && entry.filledAtStart != entry.store->filled()) {
+                entry.drawn = 0;  // more has arrived meanwhile: once round again
+                entry.filledAtStart = entry.store->filled();
+            }
+            if (entry.passDone()) continue;
+            const double share = double(entry.drawn) / double(entry.store->slots());
+            if (next == m_entries.size() || share < least) {
+                next = k;
+                least = share;
+            }
+        }
+        const double started = now();
+        if (next == m_entries.size() || (!first && started >= deadline)) return total;
+
+        Entry& entry = *m_entries[next];
+        const Slot slots = entry.store->slots(), window = entry.store->order().windowSize();
+        const auto affordable =
+            std::min<std::uint64_t>(m_cost.affordable(std::max(0.0, deadline - started)), slots);
+        std::uint64_t run = std::max<std::uint64_t>(affordable, kLeastRun);
+        run = (run + window - 1) / window * window;
+        const Slot count = Slot(std::min<std::uint64_t>({run, slots - entry.drawn, slots - entry.cursor}));
+        m_backend->draw(m_scene, next, {entry.cursor, entry.cursor + count});
+        m_backend->finish();
+        m_cost.observe(count, now() - started);
+        entry.cursor = entry.cursor + count == slots ? 0 : entry.cursor + count;
+        entry.drawn += count;
+        total += count;
+    }
+}
+
+void ProgressiveRenderer::resolveImage()
+{
+    const double started = now();
+    ResolveSettings settings;
+    for (const auto& entry : m_entries) {
+        LayerColors colors;
+        if (const auto encoder = entry->store->encoder()) {
+            colors.kind = encoder->kind();
+            colors.low = float(m_range.first - encoder->bias());
+            colors.high = float(m_range.second - encoder->bias());
+        }
+        settings.layers.push_back(colors);
+    }
+    const ColorMap* const map = findColorMap(m_display.colorMap);
+    settings.colorMap = (map != nullptr ? *map : colorMaps().front()).table;
+    settings.palette = m_display.palette;
+    settings.backgroundTop = m_display.backgroundTop;
+    settings.backgroundBottom = m_display.backgroundBottom;
+    m_backend->resolve(m_scene, settings, m_image);
+    m_resolveNeeded = false;
+    const double seconds = now() - started;
+    m_resolveSeconds = m_resolveSeconds == 0 ? seconds : 0.7 * m_resolveSeconds + 0.3 * seconds;
+}
+
+bool ProgressiveRenderer::ready() const noexcept
+{
+    return !m_targetChanged && !m_layersChanged && !m_viewChanged && !m_resolveNeeded &&
+           std::all_of(m_entries.begin(), m_entries.end(),
+                       [](const auto& e) { return e->complete() && !e->store->stale(); });
+}
+
+bool ProgressiveRenderer::converged() const noexcept { return ready(); }
+
+FrameReport ProgressiveRenderer::renderFrame(double budget)
+{
+    const double started = now();
+    FrameReport report;
+    for (const auto& entry : m_entries) {
+        PointStore& store = *entry->store;
+        // While loading the range follows the data, each time half as much again has come.
+        if (entry->loading && store.filled() > entry->filledAtRange + entry->filledAtRange / 2) m_rangeNeeded = true;
+        if (store.encoder() && store.colorsMisjudged()) {
+            const std::shared_lock lock(store.cloud().mutex());
+            store.show(Attribute(store.encoder()->attribute()));
+        }
+    }
+    if (ready() && !m_rangeNeeded) {
+        report.converged = true;
+        report.share = 1.0;
+        return report;
+    }
+    if (m_targetChanged || m_layersChanged || m_viewChanged) {
+        updateScene();
+        if (m_targetChanged) {
+            m_backend->setTarget(m_size);
+        } else if (m_layersChanged) {
+            m_backend->clear();
+        } else {
+            m_backend->reproject(m_scene);
+        }
+        m_targetChanged = m_layersChanged = m_viewChanged = false;
+        beginPass();
+    }
+    const bool streaming = std::any_of(m_entries.begin(), m_entries.end(), [](auto& e) { return e->store->stale(); });
+    const double deadline = started + budget - m_resolveSeconds;
+    // While an attribute streams, filling and streaming share what is left of the frame.
+    report.filled = fill(streaming ? now() + (deadline - now()) / 2 : deadline);
+    refreshVisible();
+    if (streaming) streamAttributes(std::max(deadline, now() + 0.001));
+    if (m_rangeNeeded) updateRange();
+    resolveImage();
+
+    std::uint64_t drawn = 0, slots = 0;
+    for (const auto& entry : m_entries) {
+        drawn += entry->drawn;
+        slots += entry->store->slots();
+    }
+    report.share = slots == 0 ? 1.0 : double(drawn) / double(slots);
+    report.converged = ready();
+    report.seconds = now() - started;
+    return report;
+}
+
+FrameReport ProgressiveRenderer::renderBruteForce()
+{
+    const double started = now();
+    FrameReport report;
+    updateScene();
+    if (m_backend->target() == m_size)
+        m_backend->clear();
+    else
+        m_backend->setTarget(m_size);
+    m_targetChanged = m_layersChanged = m_viewChanged = false;
+    beginPass();
+    for (std::size_t k = 0; k < m_entries.size(); ++k) {
+        Entry& entry = *m_entries[k];
+        const Slot slots = entry.store->slots();
+        m_backend->draw(m_scene, k, {0, slots});
+        entry.drawn = slots;
+        entry.cursor = 0;
+        report.filled += slots;
+    }
+    m_backend->finish();
+    refreshVisible();
+    if (m_rangeNeeded) updateRange();
+    resolveImage();
+    report.share = 1.0;
+    report.converged = ready();
+    report.seconds = now() - started;
+    return report;
+}
+
+std::optional<PickResult> ProgressiveRenderer::pick(int x, int y, int radius)
+{
+    if (m_targetChanged || m_layersChanged || m_entries.empty()) return std::nullopt;
+    const auto hit = m_backend->pick(x, y, radius);
+    if (!hit) return std::nullopt;
+    LayerLookup lookup(m_scene);
+    const std::size_t layer = lookup.layerOf(hit->id);
+    const PointStore& store = *m_entries[layer]->store;
+    const PointIndex index = store.order().indexOf(hit->id - m_scene.layers[layer].firstId);
+    if (index >= store.cloud().size()) return std::nullopt;
+    return PickResult{layer, index, store.cloud().world(index)};
+}
+
+}  // namespace punctum::render

@@ -15,7 +15,7 @@ namespace punctum::render {
 
 /// What the user chose to see; belongs to the view, not to a cloud.
 struct DisplaySettings {
-    std::string attribute;            ///< name; a cloud without it shows its first fitting one (see firstAttribute)
+    std::string attribute;            ///< name; a cloud without it keeps what it shows (first: see firstAttribute)
     std::string colorMap = "viridis"; ///< Scalar attributes
     std::optional<std::pair<double, double>> range;  ///< Scalar; none: 2nd to 98th percentile over all clouds
     std::array<Rgba8, 256> palette{}; ///< Class; defaults to asprsClasses()
@@ -28,14 +28,9 @@ struct DisplaySettings {
     DisplaySettings();
 };
 
-/// The attribute that a cloud is first shown by: RGB if it has colours, else Intensity if it varies, else
-/// Classification if it varies, else Z.
-std::string firstAttribute(const PointCloud& cloud);
-
 /// What one call of renderFrame did.
 struct FrameReport {
     double seconds = 0;             ///< from call to return
-    PointIndex reprojected = 0;
     PointIndex filled = 0;          ///< slots drawn in the fill pass
     double share = 0;               ///< of all slots drawn with the present camera, 0 to 1
     bool converged = false;         ///< image equals the brute-force image and nothing streams
@@ -96,12 +91,15 @@ public:
 
 private:
     struct Entry;
+    Entry* find(const PointCloud& cloud) noexcept;
+    bool ready() const noexcept;
+    void applyDisplay(Entry& entry);
     void updateScene();
     void updateRange();
-    void restartFill() noexcept;
+    void beginPass() noexcept;
     void refreshVisible();
-    void streamAttributes(double seconds);
-    PointIndex fill(double secondsLeft);
+    void streamAttributes(double deadline);
+    PointIndex fill(double deadline);
     void resolveImage();
 
     std::unique_ptr<RasterBackend> m_backend;
@@ -114,11 +112,13 @@ private:
     Image m_image;
     FrameCostModel m_cost;
     std::vector<PointId> m_visible;
-    bool m_cameraMoved = true;
-    bool m_targetChanged = true;
-    bool m_clearNeeded = true;
+    double m_resolveSeconds = 0;    ///< what making the picture costs, learnt
+    bool m_targetChanged = true;    ///< size or samples: a new, empty buffer is needed
+    bool m_layersChanged = true;    ///< ids have new meanings: the buffer must be emptied
+    bool m_viewChanged = true;      ///< camera, point size, hidden classes: what is visible must be seen anew
     bool m_resolveNeeded = true;
     bool m_rangeNeeded = true;
+    bool m_redrawWhenFresh = false; ///< classes changed while some are hidden
 };
 
 }  // namespace punctum::render

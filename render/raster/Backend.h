@@ -47,7 +47,7 @@ constexpr std::array<std::array<float, 2>, 4> kSamples4{{{0.375f, 0.125f}, {0.87
 ///     x_px  = (dot(rowX.xyz, q) + rowX.w) / w  from the left edge
 ///     y_px  = (dot(rowY.xyz, q) + rowY.w) / w  from the top edge
 /// A point is drawn when depth >= nearDepth, as a square of pointSize px around (x_px, y_px): it covers each sample
-/// whose position lies in [x - s/2, x + s/2) x [y - s/2, y + s/2).
+/// whose position lies in (x - s/2, x + s/2] x (y - s/2, y + s/2].
 struct LayerProjection {
     glm::ivec3 reference{0};
     glm::vec4 rowX{0}, rowY{0}, rowD{0};

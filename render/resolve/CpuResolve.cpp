@@ -1,1 +1,83 @@
 // SPDX-License-Identifier: MIT
+#include "render/resolve/CpuResolve.h"
+
+#include "render/raster/LayerLookup.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace punctum::render {
+
+namespace {
+
+constexpr std::size_t kPrefetchAhead = 24;
+
+Rgba8 average(const Rgba8* colors, std::uint32_t count) noexcept
+{
+    std::uint32_t r = 0, g = 0, b = 0, a = 0;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        r += colors[k].r * std::uint32_t(colors[k].a);
+        g += colors[k].g * std::uint32_t(colors[k].a);
+        b += colors[k].b * std::uint32_t(colors[k].a);
+        a += colors[k].a;
+    }
+    if (a == 0) return {0, 0, 0, 0};
+    return {std::uint8_t((r + a / 2) / a), std::uint8_t((g + a / 2) / a), std::uint8_t((b + a / 2) / a),
+            std::uint8_t((a + count / 2) / count)};
+}
+
+}  // namespace
+
+Rgba8 backgroundOf(int row, int height, const ResolveSettings& settings) noexcept
+{
+    const int last = std::max(1, height - 1);
+    const auto blend = [&](std::uint8_t top, std::uint8_t bottom) {
+        return std::uint8_t((top * (last - row) + bottom * row + last / 2) / last);
+    };
+    const Rgba8 t = settings.backgroundTop, b = settings.backgroundBottom;
+    return {blend(t.r, b.r), blend(t.g, b.g), blend(t.b, b.b), blend(t.a, b.a)};
+}
+
+void resolveCells(std::span<const std::uint64_t> cells, const TargetSize& size, const FrameScene& scene,
+                  const ResolveSettings& settings, Image& out)
+{
+    out.resize(size.width, size.height);
+    const auto samples = std::size_t(size.samples);
+    const std::size_t rowCells = std::size_t(size.width) * samples;
+    tbb::parallel_for(tbb::blocked_range<int>(0, size.height, 8), [&](const tbb::blocked_range<int>& rows) {
+        std::vector<Rgba8> colors(rowCells);
+        for (int y = rows.begin(); y != rows.end(); ++y) {
+            const std::uint64_t* const row = cells.data() + std::size_t(y) * rowCells;
+            Rgba8* const pixels = &out.pixels[std::size_t(y) * std::size_t(size.width)];
+            Rgba8* const target = samples == 1 ? pixels : colors.data();
+            const Rgba8 background = backgroundOf(y, size.height, settings);
+            if (scene.layers.empty()) {
+                std::fill_n(pixels, size.width, background);
+                continue;
+            }
+            LayerLookup lookup(scene), ahead(scene);
+            for (std::size_t k = 0; k < rowCells; ++k) {
+                if (k + kPrefetchAhead < rowCells) {
+                    const auto next = PointId(row[k + kPrefetchAhead]);
+                    if (next != kNoPoint) {
+                        const Layer& layer = scene.layers[ahead.layerOf(next)];
+                        __builtin_prefetch(layer.store->words().data() + (next - layer.firstId));
+                    }
+                }
+                const auto id = PointId(row[k]);
+                if (id == kNoPoint) {
+                    target[k] = background;
+                    continue;
+                }
+                const std::size_t layer = lookup.layerOf(id);
+                const Layer& l = scene.layers[layer];
+                target[k] = colorOf(l.store->words()[id - l.firstId], settings.layers[layer], settings);
+            }
+            if (samples > 1)
+                for (std::size_t x = 0; x < std::size_t(size.width); ++x)
+                    pixels[x] = average(colors.data() + x * samples, std::uint32_t(samples));
+        }
+    });
+}
+
+}  // namespace punctum::render

@@ -28,8 +28,9 @@ public:
     double bias() const noexcept { return m_bias; }
     int colorShift() const noexcept { return m_colorShift; }
 
-    /// Words of the points listed into `out` (indices.size() values).
-    void encode(std::span<const std::uint32_t> indices, std::uint32_t* out) const;
+    /// Words of the points listed into `out` (indices.size() values). False when a colour does not fit into
+    /// 8 bits after colorShift (it is cut to 255 then): the file has 16-bit colours.
+    bool encode(std::span<const std::uint32_t> indices, std::uint32_t* out) const;
 
 private:
     Attribute m_attribute;

@@ -1,1 +1,375 @@
 // SPDX-License-Identifier: MIT
+#include "render/store/PointStore.h"
+
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace punctum::render {
+
+namespace {
+
+/// Points encoded and dealt out together: their positions, words and classes stay in the processor's second
+/// level cache, and with 1024 windows each window gets runs of 16 slots, whole cache lines.
+constexpr PointIndex kPutPoints = 16384;
+
+/// Up to this many changed points are brought up to date at once instead of being streamed.
+constexpr PointIndex kFewPoints = 200'000;
+
+constexpr PointIndex kSamples = 4096;
+
+/// The i-th of kSamples points spread over the range (low discrepancy: multiples of the golden ratio).
+PointIndex samplePoint(PointRange range, PointIndex i)
+{
+    const double at = double(i) * 0.6180339887498949;
+    return range.first + PointIndex((at - std::floor(at)) * double(range.size()));
+}
+
+}  // namespace
+
+LocalFrame LocalFrame::around(const RawBounds& bounds) noexcept
+{
+    LocalFrame frame;
+    if (bounds.empty()) {
+        frame.origin = glm::i64vec3(-(std::int64_t(1) << 30));
+        return frame;
+    }
+    const glm::i64vec3 size = bounds.max - bounds.min;
+    const std::int64_t largest = std::max({size.x, size.y, size.z});
+    while ((largest >> frame.shift) > (std::int64_t(1) << 30)) ++frame.shift;
+    // Half of the free room below the data: what firstBounds missed mostly still fits.
+    frame.origin = bounds.min - (std::int64_t(1) << (29 + frame.shift));
+    return frame;
+}
+
+bool LocalFrame::holds(const RawBounds& bounds) const noexcept
+{
+    if (bounds.empty()) return true;
+    const glm::i64vec3 low = bounds.min - origin, high = bounds.max - origin;
+    const std::int64_t top = std::int64_t(INT32_MAX) << shift;
+    return glm::all(glm::greaterThanEqual(low, glm::i64vec3(std::int64_t(1) << shift))) &&
+           glm::all(glm::lessThan(high, glm::i64vec3(top)));
+}
+
+std::string firstAttribute(const PointCloud& cloud, PointRange range)
+{
+    const auto varies = [&](const Attribute& a, bool fromZero) {
+        const double first = fromZero ? 0.0 : a.number(range.first);
+        for (std::uint32_t c = 0; c < a.components; ++c)
+            for (PointIndex i = 0; i < kSamples; ++i)
+                if (a.number(samplePoint(range, i), c) != first) return true;
+        return false;
+    };
+    if (range.empty()) return "Z";
+    const Attribute* rgb = cloud.findAttribute("RGB");
+    if (rgb != nullptr && varies(*rgb, true)) return "RGB";
+    for (const char* name : {"Intensity", "Classification"}) {
+        const Attribute* a = cloud.findAttribute(name);
+        if (a != nullptr && varies(*a, false)) return name;
+    }
+    return "Z";
+}
+
+PointStore::PointStore(std::shared_ptr<const PointCloud> cloud, const RawBounds& firstBounds, OrderKind order)
+    : m_cloud(std::move(cloud)),
+      m_order(order, m_cloud->size()),
+      m_bounds(firstBounds),
+      m_frame(LocalFrame::around(firstBounds)),
+      m_positions(std::size_t(m_order.slots()) * sizeof(LocalPosition)),
+      m_words(std::size_t(m_order.slots()) * sizeof(std::uint32_t)),
+      m_classes(m_order.slots()),
+      m_positionVersions(blocks()),
+      m_wordVersions(blocks())
+{
+    if (const Attribute* a = m_cloud->findAttribute("Classification")) m_classification = *a;
+}
+
+PointStore::~PointStore() = default;
+
+std::span<const LocalPosition> PointStore::positions() const noexcept
+{
+    return {reinterpret_cast<const LocalPosition*>(m_positions.data()), slots()};
+}
+
+std::span<const std::uint32_t> PointStore::words() const noexcept
+{
+    return {reinterpret_cast<const std::uint32_t*>(m_words.data()), slots()};
+}
+
+std::span<const std::uint8_t> PointStore::classes() const noexcept
+{
+    return {reinterpret_cast<const std::uint8_t*>(m_classes.data()), slots()};
+}
+
+bool PointStore::isFilled(PointIndex index) const noexcept { return positions()[m_order.slotOf(index)].x != 0; }
+
+std::shared_ptr<const AttributeEncoder> PointStore::encoder() const
+{
+    const std::lock_guard lock(m_encoderMutex);
+    return m_encoder;
+}
+
+std::shared_ptr<const AttributeEncoder> PointStore::makeEncoder(const Attribute& attribute, PointRange range) const
+{
+    // Judged by points that have arrived: all of `range` if it was given, else a sample of the filled slots.
+    double bias = 0.0;
+    int shift = m_colorsOutgrown.load(std::memory_order_relaxed) ? 8 : 0;
+    bool first = true;
+    const bool color = attribute.kind == AttributeKind::Color;
+    const bool whole = range.empty();
+    if (whole) range = {0, m_cloud->size()};
+    for (PointIndex k = 0; k < kSamples && !range.empty(); ++k) {
+        const PointIndex i = samplePoint(range, k);
+        if (whole && !isFilled(i)) continue;
+        const double v = attribute.number(i);
+        if (first && std::isfinite(v)) {
+            bias = std::floor(v);
+            first = false;
+        }
+        if (!color && !first) break;
+        for (std::uint32_t c = 0; color && c < 3; ++c)
+            if (attribute.number(i, c) > 255) shift = 8;
+    }
+    return std::make_shared<AttributeEncoder>(attribute, color ? 0.0 : bias, color ? shift : 0);
+}
+
+std::shared_ptr<const AttributeEncoder> PointStore::encoderFor(PointRange range)
+{
+    const std::lock_guard lock(m_encoderMutex);
+    if (!m_encoder) m_encoder = makeEncoder(*m_cloud->findAttribute(firstAttribute(*m_cloud, range)), range);
+    return m_encoder;
+}
+
+void PointStore::fill(PointRange range)
+{
+    const auto encoder = encoderFor(range);
+    put(range, *encoder, true);
+    m_filled.fetch_add(range.size(), std::memory_order_release);
+}
+
+void PointStore::fillAll()
+{
+    (void)encoderFor({0, m_cloud->size()});
+    tbb::parallel_for(tbb::blocked_range<PointIndex>(0, m_cloud->size(), kPutPoints),
+                      [&](const auto& r) { fill({r.begin(), r.end()}); });
+}
+
+void PointStore::setBounds(const RawBounds& bounds)
+{
+    m_bounds = bounds;
+    if (!outgrown() && m_frame.holds(bounds)) return;
+    m_frame = LocalFrame::around(bounds);
+    m_outgrown.store(false, std::memory_order_relaxed);
+    const auto current = encoder();
+    if (!current) return;
+    tbb::parallel_for(tbb::blocked_range<PointIndex>(0, m_cloud->size(), kPutPoints),
+                      [&](const auto& r) { put({r.begin(), r.end()}, *current, true); });
+}
+
+/// Points of one put() before they are dealt out, in file order.
+struct PointStore::Scratch {
+    std::uint32_t indices[kPutPoints];
+    std::uint32_t words[kPutPoints];
+    std::uint32_t classes[kPutPoints];
+    LocalPosition positions[kPutPoints];
+};
+
+void PointStore::put(PointRange range, const AttributeEncoder& encoder, bool withPositions)
+{
+    thread_local std::unique_ptr<Scratch> scratch;
+    if (!scratch) scratch = std::make_unique<Scratch>();
+    auto* const positions = reinterpret_cast<LocalPosition*>(m_positions.data());
+    auto* const words = reinterpret_cast<std::uint32_t*>(m_words.data());
+    auto* const classes = reinterpret_cast<std::uint8_t*>(m_classes.data());
+    const auto x = m_cloud->rawX(), y = m_cloud->rawY(), z = m_cloud->rawZ();
+    const bool haveClasses = m_classification.columns[0] != nullptr;
+    const PointRange whole = range;
+
+    for (PointIndex first = range.first; first < whole.last; first = range.last) {
+        // Pieces end where groups of the order do, so that all but the outermost groups are dealt out whole.
+        range = {first, std::min(whole.last, (first / kPutPoints + 1) * kPutPoints)};
+        const auto count = std::size_t(range.size());
+        Scratch& s = *scratch;
+        std::iota(s.indices, s.indices + count, std::uint32_t(first));
+        if (!encoder.encode({s.indices, count}, s.words)) m_colorsOutgrown.store(true, std::memory_order_relaxed);
+        if (haveClasses) m_classification.gatherBits({s.indices, count}, s.classes);
+        bool outside = false;
+        if (withPositions) {
+            const glm::i64vec3 o = m_frame.origin;
+            const int shift = m_frame.shift;
+            const auto fits = [](std::int64_t v) { return v > 0 && v < INT32_MAX; };
+            for (std::size_t k = 0; k < count; ++k) {
+                const std::int64_t lx = (x[first + k] - o.x) >> shift, ly = (y[first + k] - o.y) >> shift,
+                                   lz = (z[first + k] - o.z) >> shift;
+                if (fits(lx) & fits(ly) & fits(lz)) {
+                    s.positions[k] = {std::int32_t(lx), std::int32_t(ly), std::int32_t(lz)};
+                } else {
+                    s.positions[k] = {};
+                    outside = true;
+                }
+            }
+        }
+        if (outside) m_outgrown.store(true, std::memory_order_relaxed);
+
+        const auto store = [&](Slot slot, std::size_t k) {
+            words[slot] = s.words[k];
+            if (haveClasses) classes[slot] = std::uint8_t(s.classes[k]);
+            if (withPositions) positions[slot] = s.positions[k];
+        };
+        const std::uint32_t mask = m_order.memberMask();
+        const PointIndex groupPoints = PointIndex(mask) + 1;
+        const PointIndex wholeFirst = (range.first + mask) / groupPoints * groupPoints;
+        const PointIndex wholeLast = range.last / groupPoints * groupPoints;
+        if (m_order.kind() != OrderKind::Stratified || wholeFirst >= wholeLast) {
+            for (std::size_t k = 0; k < count; ++k) store(m_order.slotOf(first + k), k);
+        } else {
+            for (PointIndex i = range.first; i < wholeFirst; ++i) store(m_order.slotOf(i), std::size_t(i - first));
+            for (PointIndex i = wholeLast; i < range.last; ++i) store(m_order.slotOf(i), std::size_t(i - first));
+            // Window by window: each gets a run of consecutive slots, one from each group.
+            const auto g0 = std::uint32_t(wholeFirst >> m_order.groupBits());
+            const auto groups = std::uint32_t((wholeLast - wholeFirst) >> m_order.groupBits());
+            GroupShuffle* const shuffles = reinterpret_cast<GroupShuffle*>(s.indices);  // done with: reused
+            static_assert(sizeof(GroupShuffle) <= 16 && sizeof(std::uint32_t) * kPutPoints >= 4096 * 12);
+            const std::size_t base = std::size_t(wholeFirst - first);
+            if (groups <= 4096) {
+                for (std::uint32_t g = 0; g < groups; ++g) shuffles[g] = groupShuffle(g0 + g);
+                for (std::uint32_t w = 0; w <= mask; ++w) {
+                    const Slot slot = w * m_order.windowSize() + g0;
+                    for (std::uint32_t g = 0; g < groups; ++g)
+                        store(slot + g, base + (std::size_t(g) << m_order.groupBits()) + shuffles[g].member(w, mask));
+                }
+            } else {
+                for (std::size_t k = base; k < base + std::size_t(wholeLast - wholeFirst); ++k)
+                    store(m_order.slotOf(first + k), k);
+            }
+        }
+    }
+    bumpVersions(whole, withPositions);
+}
+
+void PointStore::bumpVersions(PointRange range, bool withPositions) noexcept
+{
+    const auto bump = [&](Slot slot) {
+        const Slot block = slot >> kBlockBits;
+        if (withPositions) m_positionVersions[block].fetch_add(1, std::memory_order_release);
+        m_wordVersions[block].fetch_add(1, std::memory_order_release);
+    };
+    if (m_order.kind() == OrderKind::Stratified && range.size() > m_order.memberMask()) {
+        // Every window was touched around the same place: bump the blocks of those runs.
+        const auto g0 = Slot(range.first >> m_order.groupBits()), g1 = Slot((range.last - 1) >> m_order.groupBits());
+        Slot last = ~Slot(0);
+        for (std::uint32_t w = 0; w <= m_order.memberMask(); ++w)
+            for (Slot b = (w * m_order.windowSize() + g0) >> kBlockBits,
+                      e = (w * m_order.windowSize() + g1) >> kBlockBits;
+                 b <= e; ++b)
+                if (b != last) bump((last = b) << kBlockBits);
+    } else if (range.size() >= slots() / 4 || m_order.kind() == OrderKind::Prime) {
+        for (Slot b = 0; b < blocks(); ++b) bump(b << kBlockBits);
+    } else {
+        for (PointIndex i = range.first; i < range.last; ++i) bump(m_order.slotOf(i));
+    }
+}
+
+bool PointStore::colorsMisjudged() const
+{
+    return m_colorsOutgrown.load(std::memory_order_relaxed) && encoder()->kind() == WordKind::Color &&
+           encoder()->colorShift() == 0;
+}
+
+void PointStore::show(const Attribute& attribute)
+{
+    {
+        const auto next = makeEncoder(attribute, {});
+        const std::lock_guard lock(m_encoderMutex);
+        m_encoder = next;
+    }
+    markStale(nullptr);
+}
+
+void PointStore::markStale(const PointSet* points)
+{
+    const auto current = encoder();
+    if (!current) return;
+    const Attribute* a = m_cloud->findAttribute("Classification");
+    if (a != nullptr && a->columns[0] != m_classification.columns[0]) m_classification = *a;
+    if (points != nullptr && points->count() <= kFewPoints) {
+        const PointRange extent = points->extent();
+        const std::size_t firstWord = std::size_t(extent.first / 64), lastWord = std::size_t((extent.last + 63) / 64);
+        std::vector<std::uint32_t> indices;
+        points->forEachInWords(firstWord, lastWord, [&](PointIndex i) { indices.push_back(std::uint32_t(i)); });
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, indices.size(), 4096), [&](const auto& r) {
+            std::vector<std::uint32_t> words(r.size()), classes(r.size());
+            const std::span<const std::uint32_t> part(indices.data() + r.begin(), r.size());
+            if (!current->encode(part, words.data())) m_colorsOutgrown.store(true, std::memory_order_relaxed);
+            if (m_classification.columns[0]) m_classification.gatherBits(part, classes.data());
+            for (std::size_t k = 0; k < part.size(); ++k) {
+                const Slot slot = m_order.slotOf(part[k]);
+                reinterpret_cast<std::uint32_t*>(m_words.data())[slot] = words[k];
+                if (m_classification.columns[0])
+                    reinterpret_cast<std::uint8_t*>(m_classes.data())[slot] = std::uint8_t(classes[k]);
+                m_wordVersions[slot >> kBlockBits].fetch_add(1, std::memory_order_release);
+            }
+        });
+        return;
+    }
+    m_fresh.assign((slots() + 63) / 64, 0);
+    m_refreshed = 0;
+    m_stale = m_cloud->size() != 0;
+}
+
+std::size_t PointStore::refresh(std::span<const Slot> slotList)
+{
+    const auto current = encoder();
+    if (!m_stale || !current) return 0;
+    constexpr std::size_t kGrain = 4096;
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, slotList.size(), kGrain), std::size_t(0),
+        [&](const auto& r, std::size_t total) {
+            std::vector<Slot> stale;
+            std::vector<std::uint32_t> indices;
+            for (std::size_t k = r.begin(); k != r.end(); ++k) {
+                const Slot slot = slotList[k];
+                const std::uint64_t bit = std::uint64_t(1) << (slot % 64);
+                std::atomic_ref<std::uint64_t> fresh(m_fresh[slot / 64]);
+                if ((fresh.load(std::memory_order_relaxed) & bit) != 0) continue;
+                fresh.fetch_or(bit, std::memory_order_relaxed);
+                const PointIndex index = m_order.indexOf(slot);
+                if (index < m_refreshed || index >= m_cloud->size()) continue;
+                stale.push_back(slot);
+                indices.push_back(std::uint32_t(index));
+            }
+            std::vector<std::uint32_t> words(stale.size()), classes(stale.size());
+            if (!current->encode(indices, words.data())) m_colorsOutgrown.store(true, std::memory_order_relaxed);
+            if (m_classification.columns[0]) m_classification.gatherBits(indices, classes.data());
+            for (std::size_t k = 0; k < stale.size(); ++k) {
+                reinterpret_cast<std::uint32_t*>(m_words.data())[stale[k]] = words[k];
+                if (m_classification.columns[0])
+                    reinterpret_cast<std::uint8_t*>(m_classes.data())[stale[k]] = std::uint8_t(classes[k]);
+                m_wordVersions[stale[k] >> kBlockBits].fetch_add(1, std::memory_order_release);
+            }
+            return total + stale.size();
+        },
+        std::plus<>());
+}
+
+void PointStore::refreshNext(PointIndex points)
+{
+    const auto current = encoder();
+    if (!m_stale || !current) return;
+    const PointIndex end = std::min(m_cloud->size(), (m_refreshed + points) / kPutPoints * kPutPoints + kPutPoints);
+    tbb::parallel_for(tbb::blocked_range<PointIndex>(m_refreshed / kPutPoints, (end + kPutPoints - 1) / kPutPoints),
+                      [&](const auto& r) {
+                          put({std::max(m_refreshed, r.begin() * kPutPoints), std::min(end, r.end() * kPutPoints)},
+                              *current, false);
+                      });
+    m_refreshed = end;
+    m_stale = m_refreshed < m_cloud->size();
+}
+
+}  // namespace punctum::render

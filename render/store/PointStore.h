@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace punctum::render {
@@ -28,18 +29,33 @@ struct LocalFrame {
 
     static LocalFrame around(const RawBounds& bounds) noexcept;
     bool holds(const RawBounds& bounds) const noexcept;
-    glm::dvec3 toRaw(const glm::dvec3& local) const noexcept { return local * double(1 << shift) + glm::dvec3(origin); }
+    glm::dvec3 toRaw(const glm::dvec3& local) const noexcept
+    {
+        return local * double(1 << shift) + glm::dvec3(origin);
+    }
+    glm::dvec3 toLocal(const glm::dvec3& raw) const noexcept
+    {
+        return (raw - glm::dvec3(origin)) / double(1 << shift);
+    }
 };
 
-/// What is drawn of a cloud, in slot order: position (12 bytes), shown attribute (4 bytes), class (1 byte).
+/// The attribute that a cloud is first shown by, judged by the points of `range`: RGB if it has colours, else
+/// Intensity if it varies, else Classification if it varies, else Z.
+std::string firstAttribute(const PointCloud& cloud, PointRange range);
+
+/// What is drawn of a cloud, in slot order: position (12 bytes), shown attribute (4 bytes, the "word"), class
+/// (1 byte).
 ///
 /// Threads: fill() is called by loader threads while one render thread reads; a slot that is being written may be
 /// read half-written, which is why the progressive loop draws everything once more after loading has ended.
-/// Everything else belongs to the render thread.
+/// Everything else belongs to the render thread, which holds the cloud's mutex() shared in show(), refresh(),
+/// refreshNext(), markStale() and setBounds().
 class PointStore {
 public:
+    /// `firstBounds`: a first idea of the raw extent (las::SourceFile::sampledBounds). Throws Error (memory).
     PointStore(std::shared_ptr<const PointCloud> cloud, const RawBounds& firstBounds,
                OrderKind order = OrderKind::Stratified);
+    ~PointStore();
 
     const PointCloud& cloud() const noexcept { return *m_cloud; }
     const SlotOrder& order() const noexcept { return m_order; }
@@ -47,51 +63,76 @@ public:
     Slot slots() const noexcept { return m_order.slots(); }
 
     /// Takes the points of a range from the cloud's columns. Any thread; each point once.
-    void fill(PointRange range) noexcept;
+    void fill(PointRange range);
+    /// fill() for all points of a cloud that is complete, in parallel.
+    void fillAll();
+    bool isFilled(PointIndex index) const noexcept;
     /// Points taken so far.
     PointIndex filled() const noexcept { return m_filled.load(std::memory_order_acquire); }
-    /// True when a point did not fit into the frame (firstBounds was wrong): call rebuild() when loading has ended.
+    /// True when a point did not fit into the frame (firstBounds was wrong): call setBounds() when loading has ended.
     bool outgrown() const noexcept { return m_outgrown.load(std::memory_order_relaxed); }
-    /// A new frame around the true bounds, and all slots anew. Render thread.
-    void rebuild(const RawBounds& bounds);
+    /// Tells the true bounds once all points have come; takes all slots anew when the frame does not hold them.
+    void setBounds(const RawBounds& bounds);
+    /// Raw bounds as far as they are known: those given at first, then those of setBounds().
+    const RawBounds& bounds() const noexcept { return m_bounds; }
 
     std::span<const LocalPosition> positions() const noexcept;
-    std::span<const std::uint32_t> words() const noexcept;   ///< shown attribute, see AttributeEncoder
+    std::span<const std::uint32_t> words() const noexcept;  ///< shown attribute, see AttributeEncoder
     std::span<const std::uint8_t> classes() const noexcept;
 
     /// Rises with every write to a block of kBlockSlots slots: a GPU copy compares it with what it has.
-    static constexpr Slot kBlockSlots = 1 << 16;
-    std::uint32_t positionVersion(Slot block) const noexcept;
-    std::uint32_t wordVersion(Slot block) const noexcept;
+    static constexpr int kBlockBits = 16;
+    static constexpr Slot kBlockSlots = 1 << kBlockBits;
+    Slot blocks() const noexcept { return (slots() + kBlockSlots - 1) >> kBlockBits; }
+    std::uint32_t positionVersion(Slot block) const noexcept
+    {
+        return m_positionVersions[block].load(std::memory_order_acquire);
+    }
+    /// Of words and classes.
+    std::uint32_t wordVersion(Slot block) const noexcept
+    {
+        return m_wordVersions[block].load(std::memory_order_acquire);
+    }
 
-    // -- the shown attribute; all of these: render thread
+    // -- the shown attribute
     /// Shows another attribute from now on: every slot becomes stale.
     void show(const Attribute& attribute);
-    const AttributeEncoder& encoder() const noexcept { return *m_encoder; }
-    /// Marks the words and classes of these points (null: of all) as out of date.
+    /// Null until the first points have come (or show() was called).
+    std::shared_ptr<const AttributeEncoder> encoder() const;
+    /// True when 16-bit colours turned up in a cloud that looked like 8-bit: show() it again.
+    bool colorsMisjudged() const;
+    /// Marks the words and classes of these points (null: of all) as out of date. Few points are brought up to
+    /// date at once.
     void markStale(const PointSet* points);
-    bool stale() const noexcept { return m_staleLeft; }
+    bool stale() const noexcept { return m_stale; }
     /// Brings the slots listed up to date, in parallel; returns how many were stale.
     std::size_t refresh(std::span<const Slot> slots);
     /// Brings about `points` more points up to date, in file order; call until stale() is false.
     void refreshNext(PointIndex points);
 
 private:
-    void encode(PointRange range) noexcept;
+    struct Scratch;
+    std::shared_ptr<const AttributeEncoder> makeEncoder(const Attribute& attribute, PointRange range) const;
+    std::shared_ptr<const AttributeEncoder> encoderFor(PointRange range);
+    /// Encodes the points of a range and puts them into their slots; positions too when asked for.
+    void put(PointRange range, const AttributeEncoder& encoder, bool positions);
+    void bumpVersions(PointRange range, bool positions) noexcept;
 
     std::shared_ptr<const PointCloud> m_cloud;
     SlotOrder m_order;
+    RawBounds m_bounds;
     LocalFrame m_frame;
     Buffer m_positions, m_words, m_classes;
-    Attribute m_classification;            ///< columns empty: the cloud has no classes
-    std::shared_ptr<AttributeEncoder> m_encoder;
+    Attribute m_classification;  ///< without columns when the cloud has none
     mutable std::mutex m_encoderMutex;
+    std::shared_ptr<const AttributeEncoder> m_encoder;
     std::atomic<PointIndex> m_filled{0};
     std::atomic<bool> m_outgrown{false};
-    std::unique_ptr<std::atomic<std::uint32_t>[]> m_positionVersions, m_wordVersions;
-    std::vector<std::uint64_t> m_fresh;    ///< a bit a slot: up to date since the last markStale
-    bool m_staleLeft = false;
-    PointIndex m_refreshed = 0;            ///< points before this one are up to date
+    std::atomic<bool> m_colorsOutgrown{false};  ///< some colour needs 16 bits
+    std::vector<std::atomic<std::uint32_t>> m_positionVersions, m_wordVersions;
+    std::vector<std::uint64_t> m_fresh;  ///< a bit a slot: up to date although m_refreshed has not come to it
+    bool m_stale = false;
+    PointIndex m_refreshed = 0;          ///< points before this one are up to date
 };
 
 }  // namespace punctum::render

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "render/camera/Projection.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace punctum::render {
+
+namespace {
+
+/// Points nearer than this share of the pivot's depth are not drawn: they would hide all else.
+constexpr double kNearShare = 1e-3;
+
+}  // namespace
+
+LayerProjection makeProjection(const Camera& camera, const PointStore& store, const TargetSize& size,
+                               double pointSizePx)
+{
+    const CoordinateScale& grid = store.cloud().coordinates();
+    const LocalFrame& frame = store.frame();
+    const glm::dvec3 unit = grid.scale * double(1 << frame.shift);  // world units of one local unit
+    const glm::dvec3 eyeLocal = frame.toLocal(grid.toRaw(camera.eye));
+    const glm::dvec3 reference =
+        glm::round(glm::clamp(eyeLocal, glm::dvec3(0.0), glm::dvec3(double(INT32_MAX))));
+    const glm::dvec3 toReference = (reference - eyeLocal) * unit;  // world, from the eye
+
+    const glm::dvec3 right = camera.right(), up = camera.up(), forward = camera.forward();
+    const double focal = size.height / 2.0 / std::tan(camera.fovY / 2);  // px
+    const double centerX = size.width / 2.0, centerY = size.height / 2.0;
+
+    const auto row = [&](const glm::dvec3& axis, double constant) {
+        return glm::vec4(glm::vec3(axis * unit), float(glm::dot(axis, toReference) + constant));
+    };
+    LayerProjection p;
+    p.reference = glm::ivec3(reference);
+    p.perspective = !camera.orthographic;
+    p.pointSize = float(pointSizePx);
+    if (p.perspective) {
+        p.rowX = row(right * focal + forward * centerX, 0.0);
+        p.rowY = row(forward * centerY - up * focal, 0.0);
+        p.rowD = row(forward, 0.0);
+        p.nearDepth = float(camera.pivotDepth() * kNearShare);
+    } else {
+        // Depths are lifted so far that everything lies in front, wherever zooming has put the eye.
+        const WorldBounds box = grid.toWorld(store.bounds());
+        const double reach = box.empty() ? camera.pivotDepth()
+                                         : glm::length(glm::max(glm::abs(box.min - camera.eye),
+                                                                glm::abs(box.max - camera.eye)));
+        const double scale = focal / camera.pivotDepth();  // px of a world unit
+        p.rowX = row(right * scale, centerX);
+        p.rowY = row(-up * scale, centerY);
+        p.rowD = row(forward, reach * 1.1);
+        p.nearDepth = 1e-30f;
+    }
+    return p;
+}
+
+}  // namespace punctum::render

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/cloud/Buffer.h"
+#include "render/raster/Backend.h"
+#include "render/raster/cpu/CpuKernels.h"
+
+namespace punctum::render {
+
+/// The rasterizer for machines without a usable GPU: SIMD projection, TBB, and for each sample a 64-bit atomic
+/// minimum of (depth, id), as the compute shader of Schuetz, Kerbl, Wimmer 2022 (section 3) does on a GPU.
+///
+/// The minimum does not depend on the order of drawing, so that the converged image equals the brute-force image
+/// bit for bit.
+class CpuBackend final : public RasterBackend {
+public:
+    CpuBackend();
+
+    BackendKind kind() const noexcept override { return BackendKind::Cpu; }
+    std::string description() const override;
+    void setTarget(const TargetSize& size) override;
+    TargetSize target() const noexcept override { return m_size; }
+    void clear() override;
+    void visibleIds(std::vector<PointId>& out) override;
+    void reproject(const FrameScene& scene) override;
+    void draw(const FrameScene& scene, std::size_t layer, SlotRange slots) override;
+    void finish() override {}
+    void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) override;
+    std::optional<Hit> pick(int x, int y, int radius) override;
+    double coveredShare() override;
+
+    /// The visibility buffer: for each sample of each pixel (pixel-major, rows from the top) depth bits in the high
+    /// half, PointId in the low half; all ones where there is no point.
+    std::span<const std::uint64_t> cells() const noexcept;
+
+private:
+    std::uint64_t* cellData() noexcept { return reinterpret_cast<std::uint64_t*>(m_cells.data()); }
+    void drawIds(const FrameScene& scene, std::size_t layer, std::span<const PointId> ids);
+
+    KernelChoice m_kernel;
+    TargetSize m_size;
+    Buffer m_cells;
+};
+
+}  // namespace punctum::render
