@@ -43,7 +43,7 @@ struct ProgressiveRenderer::Entry {
     PointIndex filledAtStart = 0;  ///< points the store had when the pass began
     PointIndex filledAtRange = 0;  ///< points the store had when the range was last computed
 
-    bool passDone() const noexcept { return drawn >= store->slots(); }
+    bool passDone() const noexcept { return drawn >= store->slotCount(); }
     bool complete() const noexcept { return passDone() && filledAtStart == store->filled(); }
 };
 
@@ -183,7 +183,7 @@ void ProgressiveRenderer::updateScene()
     for (const auto& entry : m_entries) {
         m_scene.layers.push_back(
             {entry->store.get(), firstId, makeProjection(m_camera, *entry->store, m_size, m_display.pointSize)});
-        firstId += entry->store->slots();
+        firstId += entry->store->slotCount();
     }
     m_scene.classVisible = m_display.classVisible;
     m_scene.allClassesVisible =
@@ -277,7 +277,7 @@ PointIndex ProgressiveRenderer::fill(double deadline)
                 entry.filledAtStart = entry.store->filled();
             }
             if (entry.passDone()) continue;
-            const double share = double(entry.drawn) / double(entry.store->slots());
+            const double share = double(entry.drawn) / double(entry.store->slotCount());
             if (next == m_entries.size() || share < least) {
                 next = k;
                 least = share;
@@ -287,7 +287,7 @@ PointIndex ProgressiveRenderer::fill(double deadline)
         if (next == m_entries.size() || (!first && started >= deadline)) return total;
 
         Entry& entry = *m_entries[next];
-        const Slot slots = entry.store->slots(), window = entry.store->order().windowSize();
+        const Slot slots = entry.store->slotCount(), window = entry.store->order().windowSize();
         const auto affordable =
             std::min<std::uint64_t>(m_cost.affordable(std::max(0.0, deadline - started)), slots);
         std::uint64_t run = std::max<std::uint64_t>(affordable, kLeastRun);
@@ -377,7 +377,7 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
     std::uint64_t drawn = 0, slots = 0;
     for (const auto& entry : m_entries) {
         drawn += entry->drawn;
-        slots += entry->store->slots();
+        slots += entry->store->slotCount();
     }
     report.share = slots == 0 ? 1.0 : double(drawn) / double(slots);
     report.converged = ready();
@@ -398,7 +398,7 @@ FrameReport ProgressiveRenderer::renderBruteForce()
     beginPass();
     for (std::size_t k = 0; k < m_entries.size(); ++k) {
         Entry& entry = *m_entries[k];
-        const Slot slots = entry.store->slots();
+        const Slot slots = entry.store->slotCount();
         m_backend->draw(m_scene, k, {0, slots});
         entry.drawn = slots;
         entry.cursor = 0;

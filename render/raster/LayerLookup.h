@@ -13,7 +13,7 @@ public:
     std::size_t layerOf(PointId id) noexcept
     {
         const auto& layers = m_scene->layers;
-        if (id - layers[m_last].firstId < layers[m_last].store->slots()) return m_last;
+        if (id - layers[m_last].firstId < layers[m_last].store->slotCount()) return m_last;
         m_last = 0;
         while (m_last + 1 < layers.size() && layers[m_last + 1].firstId <= id) ++m_last;
         return m_last;

@@ -81,9 +81,9 @@ PointStore::PointStore(std::shared_ptr<const PointCloud> cloud, const RawBounds&
       m_order(order, m_cloud->size()),
       m_bounds(firstBounds),
       m_frame(LocalFrame::around(firstBounds)),
-      m_positions(std::size_t(m_order.slots()) * sizeof(LocalPosition)),
-      m_words(std::size_t(m_order.slots()) * sizeof(std::uint32_t)),
-      m_classes(m_order.slots()),
+      m_positions(std::size_t(m_order.slotCount()) * sizeof(LocalPosition)),
+      m_words(std::size_t(m_order.slotCount()) * sizeof(std::uint32_t)),
+      m_classes(m_order.slotCount()),
       m_positionVersions(blocks()),
       m_wordVersions(blocks())
 {
@@ -94,17 +94,17 @@ PointStore::~PointStore() = default;
 
 std::span<const LocalPosition> PointStore::positions() const noexcept
 {
-    return {reinterpret_cast<const LocalPosition*>(m_positions.data()), slots()};
+    return {reinterpret_cast<const LocalPosition*>(m_positions.data()), slotCount()};
 }
 
 std::span<const std::uint32_t> PointStore::words() const noexcept
 {
-    return {reinterpret_cast<const std::uint32_t*>(m_words.data()), slots()};
+    return {reinterpret_cast<const std::uint32_t*>(m_words.data()), slotCount()};
 }
 
 std::span<const std::uint8_t> PointStore::classes() const noexcept
 {
-    return {reinterpret_cast<const std::uint8_t*>(m_classes.data()), slots()};
+    return {reinterpret_cast<const std::uint8_t*>(m_classes.data()), slotCount()};
 }
 
 bool PointStore::isFilled(PointIndex index) const noexcept { return positions()[m_order.slotOf(index)].x != 0; }
@@ -269,7 +269,7 @@ void PointStore::bumpVersions(PointRange range, bool withPositions) noexcept
                       e = (w * m_order.windowSize() + g1) >> kBlockBits;
                  b <= e; ++b)
                 if (b != last) bump((last = b) << kBlockBits);
-    } else if (range.size() >= slots() / 4 || m_order.kind() == OrderKind::Prime) {
+    } else if (range.size() >= slotCount() / 4 || m_order.kind() == OrderKind::Prime) {
         for (Slot b = 0; b < blocks(); ++b) bump(b << kBlockBits);
     } else {
         for (PointIndex i = range.first; i < range.last; ++i) bump(m_order.slotOf(i));
@@ -318,7 +318,7 @@ void PointStore::markStale(const PointSet* points)
         });
         return;
     }
-    m_fresh.assign((slots() + 63) / 64, 0);
+    m_fresh.assign((slotCount() + 63) / 64, 0);
     m_refreshed = 0;
     m_stale = m_cloud->size() != 0;
 }

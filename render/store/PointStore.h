@@ -60,7 +60,7 @@ public:
     const PointCloud& cloud() const noexcept { return *m_cloud; }
     const SlotOrder& order() const noexcept { return m_order; }
     const LocalFrame& frame() const noexcept { return m_frame; }
-    Slot slots() const noexcept { return m_order.slots(); }
+    Slot slotCount() const noexcept { return m_order.slotCount(); }
 
     /// Takes the points of a range from the cloud's columns. Any thread; each point once.
     void fill(PointRange range);
@@ -83,7 +83,7 @@ public:
     /// Rises with every write to a block of kBlockSlots slots: a GPU copy compares it with what it has.
     static constexpr int kBlockBits = 16;
     static constexpr Slot kBlockSlots = 1 << kBlockBits;
-    Slot blocks() const noexcept { return (slots() + kBlockSlots - 1) >> kBlockBits; }
+    Slot blocks() const noexcept { return (slotCount() + kBlockSlots - 1) >> kBlockBits; }
     std::uint32_t positionVersion(Slot block) const noexcept
     {
         return m_positionVersions[block].load(std::memory_order_acquire);
@@ -106,7 +106,7 @@ public:
     void markStale(const PointSet* points);
     bool stale() const noexcept { return m_stale; }
     /// Brings the slots listed up to date, in parallel; returns how many were stale.
-    std::size_t refresh(std::span<const Slot> slots);
+    std::size_t refresh(std::span<const Slot> slotList);
     /// Brings about `points` more points up to date, in file order; call until stale() is false.
     void refreshNext(PointIndex points);
 
