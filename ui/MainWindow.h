@@ -14,7 +14,8 @@ class QApplication;
 class QLabel;
 class QSettings;
 
-namespace punctum::ui {
+namespace punctum::ui
+{
 
 class AttributesDock;
 class ClassesDock;
@@ -38,7 +39,8 @@ struct WindowOptions {
 /// The window: the view in the middle, docks around it, menus. It wires these parts; it does no work itself.
 ///
 /// GUI thread only. Owns the workspace (documents, jobs) and the render thread; both end with it.
-class MainWindow final : public QMainWindow {
+class MainWindow final : public QMainWindow
+{
     Q_OBJECT
 public:
     /// What to do with a document that has unsaved changes and is to be closed.

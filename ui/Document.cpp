@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "ui/Document.h"
+
+#include "core/edit/History.h"
+#include "render/store/PointStore.h"
+#include "ui/Text.h"
+
+#include <QFileInfo>
+
+namespace punctum::ui
+{
+
+Document::Document(std::shared_ptr<OpenCloud> data, QObject* parent)
+    : QObject(parent),
+      m_data(std::move(data)),
+      m_path(toQString(m_data->path)),
+      m_recovered(m_data->source->recovered),
+      m_bounds(m_data->source->firstBounds),
+      m_attributes(m_data->cloud->attributes())  // nobody else knows the cloud's list yet
+{
+    for (const std::string& warning : m_data->source->warnings) m_warnings << toQString(warning);
+}
+
+QString Document::name() const
+{
+    return QFileInfo(m_path).fileName();
+}
+
+double Document::loadedShare() const noexcept
+{
+    if (!loading()) return 1.0;
+    return points() == 0 ? 0.0 : double(m_data->store->filled()) / double(points());
+}
+
+bool Document::modified() const
+{
+    return m_data->history->modified();
+}
+
+const Attribute* Document::findAttribute(const QString& name) const
+{
+    const std::string wanted = name.toStdString();
+    for (const Attribute& attribute : m_attributes)
+        if (attribute.name == wanted) return &attribute;
+    return nullptr;
+}
+
+const AttributeFigures* Document::figures(const QString& name) const
+{
+    const auto found = m_figures.find(name);
+    return found == m_figures.end() ? nullptr : &found->second;
+}
+
+void Document::setLoaded(const las::ReadResult& result)
+{
+    m_state = State::Ready;
+    for (const std::string& warning : result.warnings) m_warnings << toQString(warning);
+    m_recovered = m_recovered || !result.missing.empty();
+    m_bounds = m_data->cloud->coordinates().toWorld(result.bounds);
+    emit stateChanged();
+}
+
+void Document::setAttributes(std::vector<Attribute> attributes)
+{
+    m_attributes = std::move(attributes);
+    emit attributesChanged();
+}
+
+void Document::setFigures(const QString& name, const AttributeFigures& figures)
+{
+    m_figures[name] = figures;
+    emit figuresChanged(name);
+}
+
+void Document::forgetFigures(const QStringList& names)
+{
+    for (const QString& name : names) m_figures.erase(name);
+}
+
+void Document::setClassCounts(const std::array<std::uint64_t, 256>& counts)
+{
+    m_classCounts = counts;
+    emit classCountsChanged();
+}
+
+void Document::setSavedAs(const std::filesystem::path& path)
+{
+    if (path != m_data->path) m_recovered = false;  // the damaged file is another one now
+    m_path = toQString(path);
+    emit stateChanged();
+}
+
+void Document::noteEdit()
+{
+    emit stateChanged();
+}
+
+}  // namespace punctum::ui

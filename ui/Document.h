@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/cloud/PointCloud.h"
+#include "core/las/Reader.h"
+
+#include <QObject>
+#include <QString>
+#include <QStringList>
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace punctum
+{
+class History;
+namespace render
+{
+class PointStore;
+}
+}  // namespace punctum
+
+namespace punctum::ui
+{
+
+/// What an open file consists of; shared with the jobs that work on it.
+struct OpenCloud {
+    std::filesystem::path path;
+    std::shared_ptr<const las::SourceFile> source;
+    std::shared_ptr<PointCloud> cloud;
+    std::shared_ptr<render::PointStore> store;
+    std::shared_ptr<History> history;
+    /// Held while the history moves, and while "saved" is noted down: a save never marks an edit that it missed.
+    std::mutex editGate;
+    std::uint64_t edits = 0;  ///< moves of the history so far; guarded by editGate
+};
+
+/// Minimum, maximum and mean of each component of an attribute.
+using AttributeFigures = std::array<AttributeStatistics, 3>;
+
+/// One open cloud, as the window knows it: a snapshot that may be read without waiting for any job.
+///
+/// GUI thread only. Owned and kept up to date by the Workspace.
+class Document final : public QObject
+{
+    Q_OBJECT
+public:
+    enum class State { Loading, Ready };
+
+    explicit Document(std::shared_ptr<OpenCloud> data, QObject* parent = nullptr);
+
+    const std::shared_ptr<OpenCloud>& data() const noexcept { return m_data; }
+    const std::shared_ptr<PointCloud>& cloud() const noexcept { return m_data->cloud; }
+    const las::SourceFile& source() const noexcept { return *m_data->source; }
+
+    QString path() const { return m_path; }
+    QString name() const;  ///< file name without folder
+    State state() const noexcept { return m_state; }
+    bool loading() const noexcept { return m_state == State::Loading; }
+    double loadedShare() const noexcept;
+    PointIndex points() const noexcept { return m_data->cloud->size(); }
+    /// Something of the file is missing or damaged: it may not be overwritten.
+    bool recovered() const noexcept { return m_recovered; }
+    bool modified() const;
+    const QStringList& warnings() const noexcept { return m_warnings; }
+    /// Of the points read; until all are there, a first idea from the header.
+    const WorldBounds& bounds() const noexcept { return m_bounds; }
+
+    /// Attributes at present; a copy, so that no lock is needed.
+    const std::vector<Attribute>& attributes() const noexcept { return m_attributes; }
+    const Attribute* findAttribute(const QString& name) const;
+    /// Null while not known.
+    const AttributeFigures* figures(const QString& name) const;
+    /// Points of each class; nothing while not known, or where the cloud has no classes.
+    const std::optional<std::array<std::uint64_t, 256>>& classCounts() const noexcept { return m_classCounts; }
+
+    // -- called by the Workspace
+    void setLoaded(const las::ReadResult& result);
+    void setAttributes(std::vector<Attribute> attributes);
+    void setFigures(const QString& name, const AttributeFigures& figures);
+    void forgetFigures(const QStringList& names);
+    void setClassCounts(const std::array<std::uint64_t, 256>& counts);
+    void setSavedAs(const std::filesystem::path& path);
+    void noteEdit();
+
+signals:
+    void stateChanged();  ///< loading, modified, path, warnings
+    void attributesChanged();
+    void figuresChanged(const QString& name);
+    void classCountsChanged();
+
+private:
+    std::shared_ptr<OpenCloud> m_data;
+    QString m_path;
+    State m_state = State::Loading;
+    bool m_recovered = false;
+    QStringList m_warnings;
+    WorldBounds m_bounds;
+    std::vector<Attribute> m_attributes;
+    std::map<QString, AttributeFigures> m_figures;
+    std::optional<std::array<std::uint64_t, 256>> m_classCounts;
+};
+
+}  // namespace punctum::ui

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "ui/Workspace.h"
+
+#include <QFrame>
+#include <QStringList>
+
+class QVBoxLayout;
+
+namespace punctum::ui
+{
+
+/// Sentences to the user, over the top of the view, newest last. Errors and warnings stay until closed; plain
+/// news go by themselves. Nothing waits for an answer. GUI thread only.
+class MessageArea final : public QWidget
+{
+    Q_OBJECT
+public:
+    explicit MessageArea(QWidget* parent);
+
+    void add(MessageKind kind, const QString& sentence);
+    /// What is shown at present, oldest first.
+    QStringList sentences() const;
+    void clear();
+
+signals:
+    void resized();
+
+private:
+    void remove(QFrame* bar);
+    QVBoxLayout* m_column = nullptr;
+};
+
+}  // namespace punctum::ui

@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: MIT
+#include "ui/ViewRenderer.h"
+
+#include "core/Error.h"
+#include "render/gl/EglContext.h"
+#include "render/store/PointStore.h"
+#include "ui/Text.h"
+
+#include <QPointer>
+
+#include <algorithm>
+#include <chrono>
+#include <shared_mutex>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+constexpr double kFrameBudget = 0.0166;  // s: sixty pictures a second
+/// Between two frames of a still camera while points arrive: most of the processor belongs to loading then.
+constexpr std::chrono::milliseconds kLoadingPause(60);
+
+QString pickedValue(const Attribute& attribute, PointIndex index)
+{
+    QStringList parts;
+    for (std::uint32_t c = 0; c < attribute.components; ++c) parts << valueText(attribute.value(index, c));
+    return parts.join(QStringLiteral(", "));
+}
+
+}  // namespace
+
+/// Frames that nobody looks at any more, to be filled again: a picture is some megabytes, sixty times a second.
+struct ViewRenderer::Pool {
+    std::mutex mutex;
+    std::vector<std::unique_ptr<Frame>> free;
+
+    static std::shared_ptr<Frame> take(const std::shared_ptr<Pool>& pool)
+    {
+        std::unique_ptr<Frame> frame;
+        {
+            const std::lock_guard lock(pool->mutex);
+            if (!pool->free.empty()) {
+                frame = std::move(pool->free.back());
+                pool->free.pop_back();
+            }
+        }
+        if (!frame) frame = std::make_unique<Frame>();
+        return {frame.release(), [pool](Frame* used) {
+                    std::unique_ptr<Frame> back(used);
+                    const std::lock_guard lock(pool->mutex);
+                    if (pool->free.size() < 3) pool->free.push_back(std::move(back));
+                }};
+    }
+};
+
+/// What only the render thread touches.
+struct ViewRenderer::Thread {
+    struct Cloud {
+        std::shared_ptr<render::PointStore> store;
+        bool loading = true;
+    };
+    struct Capture {
+        bool transparent = false;
+        CaptureDone done;
+    };
+
+    render::EglContext context;  // before renderer: its backend needs the context to the end; empty on the CPU
+    std::unique_ptr<render::ProgressiveRenderer> renderer;
+    render::BackendKind kind = render::BackendKind::Cpu;
+    std::vector<Cloud> clouds;  ///< in the renderer's order
+    std::vector<Capture> captures;
+    bool dirty = false;   ///< a command changed what is to be seen
+    bool broken = false;  ///< the backend failed; wait for a command
+    std::uint64_t frames = 0;
+
+    bool loading() const
+    {
+        return std::any_of(clouds.begin(), clouds.end(), [](const Cloud& c) { return c.loading; });
+    }
+    ~Thread()
+    {
+        for (Capture& capture : captures) capture.done(nullptr);
+    }
+};
+
+ViewRenderer::ViewRenderer(render::BackendKind backend, QObject* parent)
+    : QObject(parent), m_pool(std::make_shared<Pool>()), m_thread([this, backend] { run(backend); })
+{
+}
+
+ViewRenderer::~ViewRenderer()
+{
+    {
+        const std::lock_guard lock(m_mutex);
+        m_pending.stop = true;
+    }
+    m_wake.notify_one();
+    m_thread.join();
+}
+
+// -- the GUI thread's side
+
+void ViewRenderer::post(Command command)
+{
+    {
+        const std::lock_guard lock(m_mutex);
+        m_pending.commands.push_back(std::move(command));
+    }
+    m_wake.notify_one();
+}
+
+void ViewRenderer::setSize(int widthPx, int heightPx)
+{
+    {
+        const std::lock_guard lock(m_mutex);
+        m_pending.size = {widthPx, heightPx};
+    }
+    m_wake.notify_one();
+}
+
+void ViewRenderer::setCamera(const render::Camera& camera)
+{
+    {
+        const std::lock_guard lock(m_mutex);
+        m_pending.camera = camera;
+    }
+    m_wake.notify_one();
+}
+
+void ViewRenderer::setDisplay(const render::DisplaySettings& display)
+{
+    {
+        const std::lock_guard lock(m_mutex);
+        m_pending.display = display;
+    }
+    m_wake.notify_one();
+}
+
+void ViewRenderer::setBackend(render::BackendKind kind)
+{
+    post([this, kind](Thread& thread) {
+        if (kind != thread.kind) useBackend(thread, kind);
+        thread.dirty = true;
+    });
+}
+
+void ViewRenderer::addCloud(std::shared_ptr<render::PointStore> store)
+{
+    post([store = std::move(store)](Thread& thread) {
+        thread.renderer->addCloud(store);
+        thread.clouds.push_back({store, true});
+        thread.dirty = true;
+    });
+}
+
+void ViewRenderer::loadingEnded(std::shared_ptr<const PointCloud> cloud, const RawBounds& bounds)
+{
+    post([cloud = std::move(cloud), bounds](Thread& thread) {
+        for (Thread::Cloud& entry : thread.clouds)
+            if (&entry.store->cloud() == cloud.get()) entry.loading = false;
+        thread.renderer->loadingEnded(*cloud, bounds);
+        thread.dirty = true;
+    });
+}
+
+void ViewRenderer::removeCloud(std::shared_ptr<const PointCloud> cloud)
+{
+    post([cloud = std::move(cloud)](Thread& thread) {
+        thread.renderer->removeCloud(*cloud);
+        std::erase_if(thread.clouds,
+                      [&](const Thread::Cloud& entry) { return &entry.store->cloud() == cloud.get(); });
+        thread.dirty = true;
+    });
+}
+
+void ViewRenderer::valuesChanged(std::shared_ptr<const PointCloud> cloud, const ChangeNotice& notice)
+{
+    post([cloud = std::move(cloud), notice](Thread& thread) {
+        thread.renderer->valuesChanged(*cloud, notice);
+        thread.dirty = true;
+    });
+}
+
+void ViewRenderer::pick(int x, int y, QObject* receiver, PickReply reply)
+{
+    post([x, y, target = QPointer<QObject>(receiver), reply = std::move(reply), this](Thread& thread) {
+        std::optional<PickedPoint> picked;
+        if (const auto hit = thread.renderer->pick(x, y); hit && hit->cloud < thread.clouds.size()) {
+            const auto& store = thread.clouds[hit->cloud].store;
+            const PointCloud& cloud = store->cloud();
+            picked.emplace();
+            picked->cloud = std::shared_ptr<const PointCloud>(store, &cloud);
+            picked->index = hit->index;
+            picked->world = hit->world;
+            const std::shared_lock lock(cloud.mutex());
+            if (const Attribute* classes = cloud.findAttribute("Classification"))
+                picked->classCode = unsigned(std::clamp(classes->number(hit->index), 0.0, 255.0));
+            const std::string shown = thread.renderer->shownAttribute();
+            if (const Attribute* attribute = cloud.findAttribute(shown)) {
+                picked->attribute = toQString(shown);
+                picked->value = pickedValue(*attribute, hit->index);
+            }
+        }
+        // By way of this object: it outlives the thread, the receiver need not.
+        QMetaObject::invokeMethod(
+            this,
+            [target, reply, picked] {
+                if (target) reply(picked);
+            },
+            Qt::QueuedConnection);
+    });
+}
+
+void ViewRenderer::capture(bool transparent, CaptureDone done)
+{
+    post([transparent, done = std::move(done)](Thread& thread) { thread.captures.push_back({transparent, done}); });
+}
+
+std::shared_ptr<const Frame> ViewRenderer::frame() const
+{
+    const std::lock_guard lock(m_mutex);
+    return m_frame;
+}
+
+// -- the render thread
+
+void ViewRenderer::announceFailure(const QString& sentence)
+{
+    QMetaObject::invokeMethod(
+        this, [this, sentence] { emit failed(sentence); }, Qt::QueuedConnection);
+}
+
+void ViewRenderer::useBackend(Thread& thread, render::BackendKind kind)
+{
+    using render::BackendKind;
+    const auto adopt = [&](std::unique_ptr<render::RasterBackend> backend) {
+        if (thread.renderer)
+            thread.renderer->setBackend(std::move(backend));
+        else
+            thread.renderer = std::make_unique<render::ProgressiveRenderer>(std::move(backend));
+    };
+    if (kind == BackendKind::GlPoints) {
+        try {
+            render::EglContext context = render::EglContext::create();
+            adopt(render::makeBackend(kind));
+            thread.context = std::move(context);
+        } catch (const std::exception& e) {
+            announceFailure(tr("OpenGL drawing is not possible here, so the CPU draws: %1")
+                                .arg(QString::fromLocal8Bit(e.what())));
+            kind = BackendKind::Cpu;
+        }
+    }
+    if (kind == BackendKind::Cpu) {
+        adopt(render::makeBackend(kind));
+        thread.context = render::EglContext();
+    }
+    thread.kind = kind;
+    thread.broken = false;
+    QMetaObject::invokeMethod(
+        this,
+        [this, kind, text = toQString(thread.renderer->backend().description())] {
+            emit backendChanged(kind, text);
+        },
+        Qt::QueuedConnection);
+}
+
+void ViewRenderer::run(render::BackendKind backend)
+{
+    Thread thread;
+    useBackend(thread, backend);
+    bool idle = true;
+    bool calm = false;
+    for (;;) {
+        Pending pending;
+        {
+            std::unique_lock lock(m_mutex);
+            const auto wanted = [this] { return m_pending.any(); };
+            if (idle)
+                m_wake.wait(lock, wanted);
+            else if (calm)
+                m_wake.wait_for(lock, kLoadingPause, wanted);
+            std::swap(pending, m_pending);
+        }
+        if (pending.stop) return;
+        try {
+            for (Command& command : pending.commands) command(thread);
+            if (pending.size) thread.renderer->setSize(pending.size->first, pending.size->second);
+            if (pending.camera) thread.renderer->setCamera(*pending.camera);
+            if (pending.display) thread.renderer->setDisplay(*pending.display);
+            thread.dirty = thread.dirty || pending.size || pending.camera || pending.display;
+            if (thread.dirty) thread.broken = false;
+            if (!thread.broken) renderNext(thread);
+        } catch (const std::exception& e) {
+            if (thread.kind != render::BackendKind::Cpu) {
+                announceFailure(tr("OpenGL drawing failed, so the CPU draws from here on: %1")
+                                    .arg(QString::fromLocal8Bit(e.what())));
+                useBackend(thread, render::BackendKind::Cpu);
+                thread.dirty = true;
+            } else {
+                announceFailure(QString::fromLocal8Bit(e.what()));
+                thread.broken = true;
+                thread.dirty = false;
+            }
+        }
+        const bool loading = thread.loading();
+        idle = thread.broken || (!thread.dirty && !loading && thread.renderer->converged());
+        calm = loading && !pending.camera;
+    }
+}
+
+void ViewRenderer::renderNext(Thread& thread)
+{
+    const bool finished = thread.renderer->converged() && !thread.dirty;
+    if (!finished || thread.loading()) {
+        thread.dirty = false;
+        const render::FrameReport report = thread.renderer->renderFrame(kFrameBudget);
+        if (thread.renderer->image().width > 0) publish(thread, report);
+    }
+    if (!thread.captures.empty() && thread.renderer->converged() && !thread.loading()) serveCaptures(thread);
+}
+
+void ViewRenderer::serveCaptures(Thread& thread)
+{
+    const render::DisplaySettings shown = thread.renderer->display();
+    for (Thread::Capture& capture : std::exchange(thread.captures, {})) {
+        if (capture.transparent) {
+            render::DisplaySettings bare = shown;
+            bare.backgroundTop.a = bare.backgroundBottom.a = 0;
+            thread.renderer->setDisplay(bare);
+            while (!thread.renderer->renderFrame(kFrameBudget).converged) {
+            }
+        }
+        capture.done(std::make_shared<render::Image>(thread.renderer->image()));
+        if (capture.transparent) {
+            thread.renderer->setDisplay(shown);
+            while (!thread.renderer->renderFrame(kFrameBudget).converged) {
+            }
+        }
+    }
+}
+
+void ViewRenderer::publish(Thread& thread, const render::FrameReport& report)
+{
+    const auto frame = Pool::take(m_pool);
+    frame->image = thread.renderer->image();
+    frame->camera = thread.renderer->camera();
+    frame->report = report;
+    frame->range = thread.renderer->range();
+    frame->attribute = toQString(thread.renderer->shownAttribute());
+    frame->number = ++thread.frames;
+    bool announce = false;
+    {
+        const std::lock_guard lock(m_mutex);
+        m_frame = frame;
+        announce = !std::exchange(m_announced, true);
+    }
+    if (!announce) return;
+    QMetaObject::invokeMethod(
+        this,
+        [this] {
+            {
+                const std::lock_guard lock(m_mutex);
+                m_announced = false;
+            }
+            emit frameReady();
+        },
+        Qt::QueuedConnection);
+}
+
+}  // namespace punctum::ui

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "render/progressive/ProgressiveRenderer.h"
+
+#include <QObject>
+#include <QString>
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace punctum::ui
+{
+
+/// A finished picture, and what it shows. Immutable once published.
+struct Frame {
+    render::Image image;
+    render::Camera camera;  ///< that it was drawn with
+    render::FrameReport report;
+    std::pair<double, double> range;  ///< of scalar colours
+    QString attribute;                ///< that it is coloured by
+    std::uint64_t number = 0;         ///< 1, 2, 3, ...
+};
+
+/// A point under the cursor.
+struct PickedPoint {
+    std::shared_ptr<const PointCloud> cloud;
+    PointIndex index = 0;
+    glm::dvec3 world{0.0};
+    std::optional<unsigned> classCode;
+    QString attribute;  ///< the one on screen, and the point's value of it
+    QString value;
+};
+
+/// The render thread: owns the progressive renderer and its backend, and draws a frame whenever something changed
+/// or the picture is not finished. An idle view costs no processor time.
+///
+/// Every member may be called from the GUI thread and returns at once; signals come in the GUI thread. Of cameras,
+/// sizes and settings only the newest counts. While files load and nobody moves the camera, frames come in a calm
+/// rhythm, so that loading gets the cores.
+class ViewRenderer final : public QObject
+{
+    Q_OBJECT
+public:
+    explicit ViewRenderer(render::BackendKind backend = render::BackendKind::Cpu, QObject* parent = nullptr);
+    ~ViewRenderer() override;
+
+    void setSize(int widthPx, int heightPx);
+    void setCamera(const render::Camera& camera);
+    void setDisplay(const render::DisplaySettings& display);
+    void setBackend(render::BackendKind kind);
+
+    void addCloud(std::shared_ptr<render::PointStore> store);
+    void loadingEnded(std::shared_ptr<const PointCloud> cloud, const RawBounds& bounds);
+    void removeCloud(std::shared_ptr<const PointCloud> cloud);
+    void valuesChanged(std::shared_ptr<const PointCloud> cloud, const ChangeNotice& notice);
+
+    using PickReply = std::function<void(const std::optional<PickedPoint>&)>;
+    /// What is at this px of the picture; `reply` is called in the thread of `receiver`, unless that is gone.
+    void pick(int x, int y, QObject* receiver, PickReply reply);
+
+    /// Called in the render thread, once the picture is finished (all points read and drawn); null when the view
+    /// ended before. `transparent`: without the background.
+    using CaptureDone = std::function<void(std::shared_ptr<const render::Image>)>;
+    void capture(bool transparent, CaptureDone done);
+
+    /// The newest picture; null before the first. Any thread.
+    std::shared_ptr<const Frame> frame() const;
+
+signals:
+    /// There is a newer frame() than at the last signal.
+    void frameReady();
+    void backendChanged(punctum::render::BackendKind kind, const QString& description);
+    /// A sentence for the user: the view goes on with another backend, or stands still.
+    void failed(const QString& sentence);
+
+private:
+    struct Pool;
+    struct Thread;
+    using Command = std::function<void(Thread&)>;
+    struct Pending {
+        std::optional<std::pair<int, int>> size;
+        std::optional<render::Camera> camera;
+        std::optional<render::DisplaySettings> display;
+        std::vector<Command> commands;
+        bool stop = false;
+        bool any() const { return size || camera || display || !commands.empty() || stop; }
+    };
+
+    void post(Command command);
+    void run(render::BackendKind backend);
+    void useBackend(Thread& thread, render::BackendKind kind);
+    void renderNext(Thread& thread);
+    void serveCaptures(Thread& thread);
+    void publish(Thread& thread, const render::FrameReport& report);
+    void announceFailure(const QString& sentence);
+
+    std::shared_ptr<Pool> m_pool;
+    mutable std::mutex m_mutex;
+    std::condition_variable m_wake;
+    Pending m_pending;
+    std::shared_ptr<const Frame> m_frame;
+    bool m_announced = false;  ///< frameReady is on its way and not yet delivered
+    std::thread m_thread;      // last: starts when everything else is there
+};
+
+}  // namespace punctum::ui

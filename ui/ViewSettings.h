@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "render/progressive/ProgressiveRenderer.h"
+
+#include <QObject>
+#include <QString>
+
+namespace punctum::ui
+{
+
+/// What the user chose to see: attribute, colour map, range, palette, hidden classes, point size, samples,
+/// background. One for the view, shared by the docks and menus that change it. GUI thread only.
+class ViewSettings final : public QObject
+{
+    Q_OBJECT
+public:
+    enum class Background { Dark, Grey, White };
+
+    explicit ViewSettings(QObject* parent = nullptr);
+
+    const render::DisplaySettings& display() const noexcept { return m_display; }
+
+    /// Empty: each cloud by its own first attribute.
+    QString attribute() const { return QString::fromStdString(m_display.attribute); }
+    void setAttribute(const QString& name);
+    QString colorMap() const { return QString::fromStdString(m_display.colorMap); }
+    void setColorMap(const QString& name);
+    void setRange(std::optional<std::pair<double, double>> range);
+    /// 1 to 20, in logical px.
+    void setPointSize(double px);
+    void setSamples(int samples);
+    void setBackground(Background background);
+    Background background() const noexcept { return m_background; }
+    void setClassColor(unsigned code, render::Rgba8 color);
+    void setClassVisible(unsigned code, bool visible);
+    void setAllClassesVisible(bool visible);
+    /// Which of these classes alone are drawn by double-click in the list.
+    void showOnlyClass(unsigned code);
+
+signals:
+    void changed();
+    void attributeChanged(const QString& name);
+
+private:
+    void notify();
+    render::DisplaySettings m_display;
+    Background m_background = Background::Dark;
+};
+
+}  // namespace punctum::ui

@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: MIT
+#include "ui/Viewport.h"
+
+#include "ui/Document.h"
+#include "ui/MessageArea.h"
+#include "ui/Overlays.h"
+#include "ui/Text.h"
+#include "ui/ViewSettings.h"
+#include "ui/ViewSurface.h"
+
+#include <QDragEnterEvent>
+#include <QDropEvent>
+#include <QMimeData>
+#include <QMouseEvent>
+#include <QUrl>
+#include <QVariantAnimation>
+#include <QWheelEvent>
+
+#include <algorithm>
+#include <cmath>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+constexpr int kFlightTime = 240;  // ms
+constexpr int kEdge = 12;         // px between overlays and the view's edge
+
+QStringList localFiles(const QMimeData& data)
+{
+    QStringList paths;
+    for (const QUrl& url : data.urls())
+        if (url.isLocalFile()) paths << url.toLocalFile();
+    return paths;
+}
+
+QString attributeOf(const QMimeData& data)
+{
+    return QString::fromUtf8(data.data(QLatin1String(kAttributeMimeType)));
+}
+
+}  // namespace
+
+Viewport::Viewport(ViewRenderer& renderer, ViewSettings& settings, bool openGl, QWidget* parent)
+    : QWidget(parent),
+      m_renderer(renderer),
+      m_settings(settings),
+      m_surface(makeViewSurface(*this, openGl)),
+      m_title(new TitleOverlay(this)),
+      m_legend(new LegendOverlay(this)),
+      m_compass(new CompassOverlay(this)),
+      m_empty(new EmptyPage(this)),
+      m_dropHint(new DropHint(this)),
+      m_messages(new MessageArea(this)),
+      m_flight(new QVariantAnimation(this))
+{
+    setAcceptDrops(true);
+    setMouseTracking(true);
+    setFocusPolicy(Qt::StrongFocus);
+    setMinimumSize(240, 180);
+    setAccessibleName(tr("View of the point cloud"));
+
+    m_flight->setStartValue(0.0);
+    m_flight->setEndValue(1.0);
+    m_flight->setDuration(kFlightTime);
+    connect(m_flight, &QVariantAnimation::valueChanged, this, [this](const QVariant& t) {
+        applyCamera(Navigation::between(m_flightStart, m_flightEnd, t.toDouble()));
+    });
+    connect(m_empty, &EmptyPage::openRequested, this, &Viewport::openRequested);
+    connect(m_messages, &MessageArea::resized, this, &Viewport::placeOverlays);
+    connect(&m_renderer, &ViewRenderer::frameReady, this, &Viewport::takeFrame);
+    connect(&m_settings, &ViewSettings::changed, this, &Viewport::sendDisplay);
+    sendDisplay();
+    applyCamera(m_camera);
+}
+
+Viewport::~Viewport() = default;
+
+bool Viewport::usesOpenGl() const
+{
+    return m_surface->usesOpenGl();
+}
+
+QSize Viewport::pictureSize() const
+{
+    return {std::max(1, int(std::lround(width() * m_pixelRatio))),
+            std::max(1, int(std::lround(height() * m_pixelRatio)))};
+}
+
+glm::dvec2 Viewport::toPicture(QPointF position) const
+{
+    return {position.x() * m_pixelRatio, position.y() * m_pixelRatio};
+}
+
+// -- camera
+
+void Viewport::applyCamera(const render::Camera& camera)
+{
+    m_camera = camera;
+    m_renderer.setCamera(camera);
+    m_compass->setCamera(camera, pictureSize().height(), m_pixelRatio,
+                         m_document ? unitOf(m_document->source().crs) : QString());
+    emit cameraChanged();
+}
+
+void Viewport::setCamera(const render::Camera& camera, bool animated)
+{
+    m_flight->stop();
+    m_zoomTarget.reset();
+    if (!animated || !isVisible()) {
+        applyCamera(camera);
+        return;
+    }
+    m_flightStart = m_camera;
+    m_flightEnd = camera;
+    m_flight->start();
+}
+
+void Viewport::userCamera(const render::Camera& camera)
+{
+    ++m_userMoves;
+    m_flight->stop();
+    applyCamera(camera);
+}
+
+void Viewport::fit(bool animated)
+{
+    if (m_bounds.empty()) return;
+    const QSize size = pictureSize();
+    render::Camera camera = m_camera;
+    camera.fit(m_bounds, {size.width(), size.height()});
+    setCamera(camera, animated);
+}
+
+void Viewport::setStandardView(const QString& name)
+{
+    render::Camera camera = m_camera;
+    if (!camera.setView(name.toStdString())) return;
+    const QSize size = pictureSize();
+    camera.fit(m_bounds, {size.width(), size.height()});
+    ++m_userMoves;
+    setCamera(camera, true);
+}
+
+void Viewport::centerOn(QPointF position)
+{
+    const glm::dvec2 px = toPicture(position);
+    m_renderer.pick(int(px.x), int(px.y), this, [this](const std::optional<PickedPoint>& point) {
+        if (!point) return;
+        ++m_userMoves;
+        setCamera(Navigation::centered(m_camera, point->world), true);
+    });
+}
+
+// -- mouse
+
+void Viewport::mousePressEvent(QMouseEvent* event)
+{
+    setFocus(Qt::MouseFocusReason);
+    m_mouse = event->position();
+    if (event->button() == Qt::LeftButton)
+        m_navigation.begin(Navigation::Drag::Orbit, toPicture(m_mouse));
+    else if (event->button() == Qt::RightButton || event->button() == Qt::MiddleButton)
+        m_navigation.begin(Navigation::Drag::Pan, toPicture(m_mouse));
+    m_zoomTarget.reset();
+    event->accept();
+}
+
+void Viewport::mouseMoveEvent(QMouseEvent* event)
+{
+    m_mouse = event->position();
+    m_mouseInside = rect().contains(m_mouse.toPoint());
+    m_zoomTarget.reset();
+    if (m_navigation.drag() != Navigation::Drag::None) {
+        render::Camera camera = m_camera;
+        if (m_navigation.move(toPicture(m_mouse), camera)) userCamera(camera);
+        setCursor(m_navigation.moved() ? Qt::ClosedHandCursor : Qt::ArrowCursor);
+    } else {
+        requestHover();
+    }
+    event->accept();
+}
+
+void Viewport::mouseReleaseEvent(QMouseEvent* event)
+{
+    const bool click = !m_navigation.moved();
+    m_navigation.end();
+    unsetCursor();
+    if (click && event->button() == Qt::MiddleButton) centerOn(event->position());
+    event->accept();
+}
+
+void Viewport::mouseDoubleClickEvent(QMouseEvent* event)
+{
+    if (event->button() == Qt::LeftButton) centerOn(event->position());
+    event->accept();
+}
+
+void Viewport::wheelEvent(QWheelEvent* event)
+{
+    const double notches = event->angleDelta().y() / 120.0;
+    event->accept();
+    if (notches == 0.0) return;
+    m_mouse = event->position();
+    m_zoomNotches += notches;
+    if (m_zoomTarget) {
+        applyZoom();
+        return;
+    }
+    if (m_zoomAsked) return;
+    m_zoomAsked = true;
+    const glm::dvec2 px = toPicture(m_mouse);
+    m_renderer.pick(int(px.x), int(px.y), this, [this, px](const std::optional<PickedPoint>& point) {
+        m_zoomAsked = false;
+        const QSize size = pictureSize();
+        m_zoomTarget = point ? point->world : m_camera.unproject(px, {size.width(), size.height()});
+        applyZoom();
+    });
+}
+
+void Viewport::applyZoom()
+{
+    render::Camera camera = m_camera;
+    Navigation::zoom(std::exchange(m_zoomNotches, 0.0), *m_zoomTarget, camera);
+    userCamera(camera);
+}
+
+void Viewport::leaveEvent(QEvent* event)
+{
+    m_mouseInside = false;
+    emit hovered(std::nullopt);
+    QWidget::leaveEvent(event);
+}
+
+void Viewport::requestHover()
+{
+    if (!m_document) return;
+    if (m_hoverAsked) {
+        m_hoverAgain = true;
+        return;
+    }
+    m_hoverAsked = true;
+    const glm::dvec2 px = toPicture(m_mouse);
+    m_renderer.pick(int(px.x), int(px.y), this, [this](const std::optional<PickedPoint>& point) {
+        m_hoverAsked = false;
+        emit hovered(m_mouseInside ? point : std::nullopt);
+        if (std::exchange(m_hoverAgain, false) && m_mouseInside) requestHover();
+    });
+}
+
+// -- dropping
+
+void Viewport::dragEnterEvent(QDragEnterEvent* event)
+{
+    const QMimeData& mime = *event->mimeData();
+    if (mime.hasFormat(QLatin1String(kAttributeMimeType))) {
+        m_dropHint->setText(tr("Color by %1").arg(attributeOf(mime)));
+    } else if (const QStringList files = localFiles(mime); !files.isEmpty()) {
+        m_dropHint->setText(files.size() == 1 ? tr("Open %1").arg(QUrl::fromLocalFile(files.front()).fileName())
+                                              : tr("Open %1 files").arg(files.size()));
+    } else {
+        return;
+    }
+    m_dropHint->show();
+    m_dropHint->raise();
+    event->acceptProposedAction();
+}
+
+void Viewport::dragLeaveEvent(QDragLeaveEvent* event)
+{
+    m_dropHint->hide();
+    event->accept();
+}
+
+void Viewport::dropEvent(QDropEvent* event)
+{
+    m_dropHint->hide();
+    const QMimeData& mime = *event->mimeData();
+    if (mime.hasFormat(QLatin1String(kAttributeMimeType)))
+        emit attributeDropped(attributeOf(mime));
+    else if (const QStringList files = localFiles(mime); !files.isEmpty())
+        emit filesDropped(files);
+    else
+        return;
+    event->acceptProposedAction();
+}
+
+// -- picture and overlays
+
+bool Viewport::event(QEvent* event)
+{
+    // Another screen may have another ratio of px; the show event comes when the first one is known.
+    if (event->type() == QEvent::ScreenChangeInternal || event->type() == QEvent::Show) sendSize();
+    return QWidget::event(event);
+}
+
+void Viewport::resizeEvent(QResizeEvent* event)
+{
+    QWidget::resizeEvent(event);
+    sendSize();
+    placeOverlays();
+}
+
+void Viewport::sendSize()
+{
+    const double ratio = devicePixelRatioF();
+    const bool ratioChanged = ratio != m_pixelRatio;
+    m_pixelRatio = ratio;
+    const QSize size = pictureSize();
+    m_navigation.setSize({size.width(), size.height()});
+    m_renderer.setSize(size.width(), size.height());
+    if (ratioChanged) sendDisplay();
+    applyCamera(m_camera);
+}
+
+void Viewport::sendDisplay()
+{
+    render::DisplaySettings display = m_settings.display();
+    display.pointSize *= m_pixelRatio;  // chosen in logical px
+    m_renderer.setDisplay(display);
+    updateLegend();
+}
+
+void Viewport::takeFrame()
+{
+    m_frame = m_renderer.frame();
+    m_surface->showFrame(m_frame);
+    updateLegend();
+    emit frameShown();
+}
+
+void Viewport::setDocument(Document* document, int documents)
+{
+    if (m_document) m_document->disconnect(this);
+    m_document = document;
+    m_documents = documents;
+    if (document) {
+        connect(document, &Document::stateChanged, this, &Viewport::updateTitle);
+        connect(document, &Document::attributesChanged, this, &Viewport::updateLegend);
+    }
+    m_empty->setVisible(documents == 0);
+    m_compass->setVisible(documents > 0);
+    updateTitle();
+    updateLegend();
+    applyCamera(m_camera);
+}
+
+void Viewport::updateTitle()
+{
+    if (!m_document) {
+        m_title->setContent({}, {});
+    } else {
+        QString detail = pointsText(m_document->points());
+        if (m_document->loading())
+            detail =
+                tr("%1 of %2")
+                    .arg(countText(PointIndex(m_document->loadedShare() * double(m_document->points()))), detail);
+        if (m_documents > 1) detail += tr("  ·  one of %1 files").arg(m_documents);
+        if (m_document->recovered()) detail += tr("  ·  damaged file");
+        m_title->setContent(m_document->name(), detail);
+        m_title->setProgress(m_document->loading() ? m_document->loadedShare() : -1.0);
+    }
+    placeOverlays();
+}
+
+void Viewport::updateLegend()
+{
+    LegendOverlay::Content content;
+    const Attribute* attribute = m_document && m_frame ? m_document->findAttribute(m_frame->attribute) : nullptr;
+    if (attribute && attribute->kind != AttributeKind::Class) {
+        content.title = m_frame->attribute;
+        content.unit = toQString(attribute->unit);
+        switch (attribute->kind) {
+            case AttributeKind::Scalar:
+                content.bar = true;
+                if (const render::ColorMap* map = render::findColorMap(m_settings.display().colorMap))
+                    content.table = map->table;
+                content.low = numberText(m_frame->range.first);
+                content.high = numberText(m_frame->range.second);
+                break;
+            case AttributeKind::Category:
+                content.remark = tr("one color for each value");
+                break;
+            case AttributeKind::Vector:
+                content.remark = tr("direction as color");
+                break;
+            case AttributeKind::Color:
+                content.remark = tr("colors of the file");
+                break;
+            case AttributeKind::Class:
+            case AttributeKind::Opaque:
+                break;
+        }
+    }
+    const QSize before = m_legend->size();
+    m_legend->setContent(content);
+    if (m_legend->size() != before) placeOverlays();
+}
+
+void Viewport::placeOverlays()
+{
+    m_surface->widget().setGeometry(rect());
+    m_empty->setGeometry(rect());
+    m_dropHint->setGeometry(rect());
+    m_title->move(kEdge, kEdge);
+    m_compass->resize(m_compass->sizeHint());
+    m_compass->move(kEdge, height() - m_compass->height() - kEdge);
+    m_legend->move(width() - m_legend->width() - kEdge, height() - m_legend->height() - kEdge);
+    const int messageWidth = std::min(640, width() - 2 * kEdge);
+    m_messages->setFixedWidth(std::max(120, messageWidth));
+    m_messages->adjustSize();
+    m_messages->move((width() - m_messages->width()) / 2, kEdge);
+    m_messages->raise();
+}
+
+QString Viewport::unitOf(const std::string& crs)
+{
+    const QString text = toQString(crs).toLower();
+    const bool projected = text.contains(QLatin1String("projcs")) || text.contains(QLatin1String("projcrs"));
+    if (!projected) return text.contains(QLatin1String("geog")) ? QStringLiteral("°") : QString();
+    // The last unit before a vertical system is the one of x and y.
+    const qsizetype vertical = text.indexOf(QLatin1String("vert"));
+    const qsizetype unit = text.lastIndexOf(QLatin1String("unit["), vertical < 0 ? -1 : vertical);
+    const QStringView name = QStringView(text).mid(std::max<qsizetype>(unit, 0), 40);
+    if (name.contains(QLatin1String("foot")) || name.contains(QLatin1String("feet"))) return QStringLiteral("ft");
+    return name.contains(QLatin1String("met")) ? QStringLiteral("m") : QString();
+}
+
+}  // namespace punctum::ui

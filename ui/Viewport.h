@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "render/camera/Camera.h"
+#include "ui/Navigation.h"
+#include "ui/ViewRenderer.h"
+
+#include <QPointer>
+#include <QWidget>
+
+#include <optional>
+
+class QVariantAnimation;
+
+namespace punctum::ui
+{
+
+class CompassOverlay;
+class Document;
+class DropHint;
+class EmptyPage;
+class LegendOverlay;
+class MessageArea;
+class TitleOverlay;
+class ViewSettings;
+class ViewSurface;
+
+/// MIME type of an attribute that is dragged: its name in UTF-8.
+inline constexpr char kAttributeMimeType[] = "application/x-punctum-attribute";
+
+/// The view: shows the render thread's newest picture, owns the camera, and turns mouse and drops into what they
+/// mean. Left drag orbits, right and middle drag pan, the wheel zooms to what is under the cursor, a double click
+/// (or a middle click) makes the point under the cursor the pivot.
+///
+/// GUI thread only. Borrows renderer and settings, which must outlive it.
+class Viewport final : public QWidget
+{
+    Q_OBJECT
+public:
+    Viewport(ViewRenderer& renderer, ViewSettings& settings, bool openGl, QWidget* parent = nullptr);
+    ~Viewport() override;
+
+    const render::Camera& camera() const noexcept { return m_camera; }
+    /// Counts what the user did to the camera: a fit by the program must not undo it.
+    std::uint64_t userMoves() const noexcept { return m_userMoves; }
+    void setCamera(const render::Camera& camera, bool animated = false);
+    /// The box of all that is open; what fit() and the first view go by.
+    void setSceneBounds(const WorldBounds& bounds) { m_bounds = bounds; }
+    void fit(bool animated = true);
+    /// "top", "front", ... keeping the pivot, then fitted.
+    void setStandardView(const QString& name);
+
+    /// The document that title and legend speak of; null: nothing is open.
+    void setDocument(Document* document, int documents);
+    /// Reads state and progress of the document anew.
+    void updateTitle();
+
+    MessageArea& messages() noexcept { return *m_messages; }
+    const LegendOverlay& legend() const noexcept { return *m_legend; }
+    const DropHint& dropHint() const noexcept { return *m_dropHint; }
+    bool usesOpenGl() const;
+    /// Size of the picture in px: logical size times the screen's ratio.
+    QSize pictureSize() const;
+    /// A short name of the coordinates' unit for this CRS: "m", "ft", "°", or nothing.
+    static QString unitOf(const std::string& crs);
+
+signals:
+    void filesDropped(const QStringList& paths);
+    void attributeDropped(const QString& name);
+    void openRequested();
+    /// What is under the cursor; nothing when that is background or the mouse left.
+    void hovered(const std::optional<punctum::ui::PickedPoint>& point);
+    void cameraChanged();
+    void frameShown();
+
+protected:
+    void resizeEvent(QResizeEvent* event) override;
+    void mousePressEvent(QMouseEvent* event) override;
+    void mouseMoveEvent(QMouseEvent* event) override;
+    void mouseReleaseEvent(QMouseEvent* event) override;
+    void mouseDoubleClickEvent(QMouseEvent* event) override;
+    void wheelEvent(QWheelEvent* event) override;
+    void leaveEvent(QEvent* event) override;
+    void dragEnterEvent(QDragEnterEvent* event) override;
+    void dragLeaveEvent(QDragLeaveEvent* event) override;
+    void dropEvent(QDropEvent* event) override;
+    bool event(QEvent* event) override;
+
+private:
+    glm::dvec2 toPicture(QPointF position) const;
+    void applyCamera(const render::Camera& camera);
+    void userCamera(const render::Camera& camera);
+    void takeFrame();
+    void sendDisplay();
+    void sendSize();
+    void placeOverlays();
+    void updateLegend();
+    void centerOn(QPointF position);
+    void requestHover();
+    void applyZoom();
+
+    ViewRenderer& m_renderer;
+    ViewSettings& m_settings;
+    ViewSurface* m_surface = nullptr;  ///< a child widget
+    TitleOverlay* m_title = nullptr;
+    LegendOverlay* m_legend = nullptr;
+    CompassOverlay* m_compass = nullptr;
+    EmptyPage* m_empty = nullptr;
+    DropHint* m_dropHint = nullptr;
+    MessageArea* m_messages = nullptr;
+    QVariantAnimation* m_flight = nullptr;
+    QPointer<Document> m_document;
+    int m_documents = 0;
+    std::shared_ptr<const Frame> m_frame;
+
+    render::Camera m_camera, m_flightStart, m_flightEnd;
+    Navigation m_navigation;
+    WorldBounds m_bounds;
+    std::uint64_t m_userMoves = 0;
+    double m_pixelRatio = 1.0;
+
+    QPointF m_mouse;
+    bool m_mouseInside = false;
+    bool m_hoverAsked = false;   ///< a pick for the read-out is on its way
+    bool m_hoverAgain = false;   ///< and the mouse has moved since
+    double m_zoomNotches = 0.0;  ///< turned and not yet applied: waits for what is under the cursor
+    bool m_zoomAsked = false;
+    std::optional<glm::dvec3> m_zoomTarget;  ///< holds while the cursor rests
+};
+
+}  // namespace punctum::ui

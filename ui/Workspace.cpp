@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: MIT
+#include "ui/Workspace.h"
+
+#include "core/edit/History.h"
+#include "core/las/Writer.h"
+#include "core/task/Progress.h"
+#include "render/store/PointStore.h"
+#include "ui/BackgroundPriority.h"
+#include "ui/Text.h"
+
+#include <QDir>
+#include <QFileInfo>
+
+#include <algorithm>
+#include <shared_mutex>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+QString fileNameOf(const QString& path)
+{
+    return QFileInfo(path).fileName();
+}
+
+std::vector<std::string> attributeNames(const PointCloud& cloud)
+{
+    const std::shared_lock lock(cloud.mutex());
+    std::vector<std::string> names;
+    for (const Attribute& attribute : cloud.attributes()) names.push_back(attribute.name);
+    return names;
+}
+
+}  // namespace
+
+/// One file on its way in.
+struct Workspace::Opening {
+    QString path;
+    JobId job = 0;
+    std::shared_ptr<OpenCloud> data;
+    las::ReadResult result;
+    Document* document = nullptr;  ///< GUI thread only
+};
+
+Workspace::Workspace(QObject* parent) : QObject(parent), m_jobs(std::make_unique<Jobs>()) {}
+
+Workspace::~Workspace()
+{
+    m_jobs.reset();  // cancels and waits: from here on no thread knows of this object
+    m_watches.clear();
+    qDeleteAll(m_documents);
+}
+
+JobId Workspace::startJob(const QString& title, Jobs::Work work, Ended ended, bool quiet)
+{
+    auto inBackground = [work = std::move(work)](Progress& progress) {
+        const BackgroundPriority priority;
+        work(progress);
+    };
+    const JobId id = m_jobs->start(
+        title.toStdString(), std::move(inBackground), [this, ended = std::move(ended)](const JobInfo& info) {
+            QMetaObject::invokeMethod(
+                this,
+                [this, ended, info] {
+                    for (auto it = m_documentJobs.begin(); it != m_documentJobs.end();)
+                        it = it->second == info.id ? m_documentJobs.erase(it) : std::next(it);
+                    if (ended) ended(info);
+                    emit jobEnded(info);
+                },
+                Qt::QueuedConnection);
+        });
+    emit jobStarted(id, title, quiet);
+    return id;
+}
+
+void Workspace::setActive(Document* document)
+{
+    if (document == m_active) return;
+    m_active = document;
+    emit activeChanged(document);
+}
+
+Document* Workspace::find(const PointCloud* cloud) const
+{
+    for (Document* document : m_documents)
+        if (document->cloud().get() == cloud) return document;
+    return nullptr;
+}
+
+// -- opening
+
+void Workspace::open(const QString& path)
+{
+    const QString absolute = QDir::cleanPath(QDir::current().absoluteFilePath(path));
+    for (Document* document : m_documents)
+        if (document->path() == absolute) {
+            setActive(document);
+            return;
+        }
+    for (const auto& other : m_opening)
+        if (other->path == absolute) return;
+
+    auto opening = std::make_shared<Opening>();
+    opening->path = absolute;
+    m_opening.push_back(opening);
+    opening->job = startJob(
+        tr("Open %1").arg(fileNameOf(absolute)),
+        [this, opening](Progress& progress) {
+            progress.begin("Reading the header", 1);
+            const auto reader = las::Reader::open(toPath(opening->path));
+            progress.check();
+            auto data = std::make_shared<OpenCloud>();
+            data->path = toPath(opening->path);
+            data->source = reader->source();
+            data->cloud = reader->createCloud();
+            data->store = std::make_shared<render::PointStore>(data->cloud, reader->source()->sampledBounds);
+            data->history = std::make_shared<History>(data->cloud);
+            opening->data = data;
+            QMetaObject::invokeMethod(
+                this, [this, opening] { documentReady(opening); }, Qt::QueuedConnection);
+            opening->result = reader->read(*data->cloud, progress,
+                                           [&store = *data->store](PointRange range) { store.fill(range); });
+        },
+        [this, opening](const JobInfo& info) { openingEnded(opening, info); });
+}
+
+void Workspace::documentReady(const std::shared_ptr<Opening>& opening)
+{
+    auto* document = new Document(opening->data, this);
+    opening->document = document;
+    m_documents.push_back(document);
+    m_documentJobs.emplace(document, opening->job);
+    Watch& watch = m_watches[document];
+    watch.subscription = document->cloud()->subscribe(
+        [this, document, cloud = std::weak_ptr<PointCloud>(document->cloud())](const ChangeNotice& notice) {
+            std::vector<Attribute> attributes;
+            if (notice.kind == ChangeNotice::Kind::Attributes)
+                if (const auto alive = cloud.lock()) {
+                    const std::shared_lock lock(alive->mutex());
+                    attributes = alive->attributes();
+                }
+            QMetaObject::invokeMethod(
+                this,
+                [this, document, notice, attributes = std::move(attributes)] {
+                    handleNotice(document, notice, attributes);
+                },
+                Qt::QueuedConnection);
+        });
+    connect(document, &Document::stateChanged, this, [this, document] { emit documentStateChanged(document); });
+    emit documentAdded(document);
+    setActive(document);
+}
+
+void Workspace::openingEnded(const std::shared_ptr<Opening>& opening, const JobInfo& info)
+{
+    std::erase(m_opening, opening);
+    Document* document = opening->document;
+    const bool wanted =
+        document && std::find(m_documents.begin(), m_documents.end(), document) != m_documents.end();
+    if (info.state != JobState::Finished) {
+        if (wanted) remove(*document, true);
+        if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
+        return;
+    }
+    if (!wanted) return;  // closed while its last points arrived
+    document->setLoaded(opening->result);
+    emit documentLoaded(document);
+    const QStringList& warnings = document->warnings();
+    if (warnings.size() == 1)
+        say(MessageKind::Warning, warnings.front());
+    else if (!warnings.isEmpty())
+        say(MessageKind::Warning,
+            tr("%1 opened with %2 warnings; Properties lists them.").arg(document->name()).arg(warnings.size()));
+    analyse(*document, {});
+}
+
+void Workspace::close(Document& document)
+{
+    remove(document, false);
+}
+
+void Workspace::remove(Document& document, bool openingFailed)
+{
+    const auto found = std::find(m_documents.begin(), m_documents.end(), &document);
+    if (found == m_documents.end()) return;
+    const auto [first, last] = m_documentJobs.equal_range(&document);
+    for (auto it = first; it != last; ++it) m_jobs->cancel(it->second);
+    m_documentJobs.erase(first, last);
+    m_watches.erase(&document);
+    const auto index = found - m_documents.begin();
+    m_documents.erase(found);
+    if (m_active == &document) {
+        m_active = nullptr;
+        if (!m_documents.empty()) m_active = m_documents[std::min(std::size_t(index), m_documents.size() - 1)];
+        emit activeChanged(m_active);
+    }
+    emit documentRemoved(&document, openingFailed);
+    document.deleteLater();
+}
+
+// -- what the values are
+
+void Workspace::handleNotice(Document* document, const ChangeNotice& notice, std::vector<Attribute> attributes)
+{
+    if (!m_watches.contains(document)) return;
+    QStringList names;
+    if (notice.kind == ChangeNotice::Kind::Attributes) {
+        for (const std::string& name : notice.attributes) names << toQString(name);
+        document->forgetFigures(names);
+        document->setAttributes(std::move(attributes));
+    } else {
+        for (const Attribute& attribute : document->attributes())
+            if (notice.concerns(attribute)) names << toQString(attribute.name);
+    }
+    emit cloudChanged(document, notice);
+    document->noteEdit();
+    if (!document->loading() && !names.isEmpty()) analyse(*document, names);
+}
+
+void Workspace::analyse(Document& document, const QStringList& names)
+{
+    Watch& watch = m_watches[&document];
+    if (watch.analysis != 0) {
+        watch.pendingAnalysis += names;
+        return;
+    }
+    std::vector<Attribute> wanted;
+    for (const Attribute& attribute : document.attributes())
+        if (attribute.kind != AttributeKind::Opaque &&
+            (names.isEmpty() || names.contains(toQString(attribute.name))))
+            wanted.push_back(attribute);
+    // What the docks show first is counted first.
+    std::stable_partition(wanted.begin(), wanted.end(),
+                          [](const Attribute& a) { return a.kind == AttributeKind::Class; });
+
+    const QPointer<Document> target(&document);
+    const auto deliver = [this, target](auto&& apply) {
+        QMetaObject::invokeMethod(
+            this,
+            [target, apply] {
+                if (target) apply(*target);
+            },
+            Qt::QueuedConnection);
+    };
+    watch.analysis = startJob(
+        tr("Value ranges of %1").arg(document.name()),
+        [cloud = document.cloud(), wanted, deliver](Progress& progress) {
+            for (const Attribute& attribute : wanted) {
+                if (attribute.kind == AttributeKind::Class) {
+                    std::array<std::uint64_t, 256> counts;
+                    {
+                        const std::shared_lock lock(cloud->mutex());
+                        counts = countValues(attribute, progress);
+                    }
+                    deliver([counts](Document& d) { d.setClassCounts(counts); });
+                }
+                AttributeFigures figures;
+                for (std::uint32_t c = 0; c < attribute.components; ++c) {
+                    const std::shared_lock lock(cloud->mutex());
+                    figures[c] = computeStatistics(attribute, c, progress);
+                }
+                deliver([name = toQString(attribute.name), figures](Document& d) { d.setFigures(name, figures); });
+            }
+        },
+        [this, target](const JobInfo&) {
+            if (!target) return;
+            const auto found = m_watches.find(target.data());
+            if (found == m_watches.end()) return;
+            found->second.analysis = 0;
+            const QStringList pending = std::exchange(found->second.pendingAnalysis, {});
+            if (!pending.isEmpty()) analyse(*target, pending);
+        },
+        true);
+    m_documentJobs.emplace(&document, watch.analysis);
+}
+
+// -- saving and changing
+
+void Workspace::save(Document& document, const QString& path, std::function<void(bool)> ended)
+{
+    const auto data = document.data();
+    const std::filesystem::path target = toPath(QDir::cleanPath(QDir::current().absoluteFilePath(path)));
+    const auto refuse = [&](const QString& sentence) {
+        say(MessageKind::Error, sentence);
+        if (ended) ended(false);
+    };
+    if (document.loading())
+        return refuse(tr("%1 is still being read: save it when all points are here.").arg(document.name()));
+    if (document.recovered() && target == data->path)
+        return refuse(
+            tr("%1 is damaged, and only part of it could be read: save under another name.").arg(document.name()));
+
+    auto report = std::make_shared<las::WriteReport>();
+    const QPointer<Document> alive(&document);
+    const JobId id = startJob(
+        tr("Save %1").arg(toQString(target.filename())),
+        [data, target, report](Progress& progress) {
+            std::uint64_t edits = 0;
+            {
+                const std::lock_guard gate(data->editGate);
+                edits = data->edits;
+            }
+            las::WriteOptions options;
+            options.compressed = las::isCompressedName(target);
+            *report = las::write(*data->cloud, target, options, progress);
+            const std::lock_guard gate(data->editGate);
+            if (data->edits == edits) data->history->markSaved();
+        },
+        [this, alive, target, report, ended = std::move(ended)](const JobInfo& info) {
+            const bool done = info.state == JobState::Finished;
+            if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
+            if (done) {
+                QStringList sentences{
+                    tr("Saved %1: %2, %3.")
+                        .arg(toQString(target.filename()), pointsText(report->points), bytesText(report->bytes))};
+                for (const std::string& note : report->notes) sentences << toQString(note);
+                say(MessageKind::Info, sentences.join(QLatin1Char(' ')));
+                if (alive) {
+                    alive->setSavedAs(target);
+                    emit saved(alive);
+                }
+            }
+            if (ended) ended(done);
+        });
+    // Closing a document does not stop the save that was asked for before: the job is not tied to it.
+    Q_UNUSED(id)
+}
+
+void Workspace::undo(Document& document)
+{
+    moveHistory(document, false);
+}
+void Workspace::redo(Document& document)
+{
+    moveHistory(document, true);
+}
+
+void Workspace::moveHistory(Document& document, bool forward)
+{
+    const auto data = document.data();
+    const std::string what = forward ? data->history->redoName() : data->history->undoName();
+    if (what.empty()) return;
+    startJob((forward ? tr("Redo %1") : tr("Undo %1")).arg(toQString(what)),
+             [data, forward](Progress& progress) {
+                 progress.begin("Changing points", 1);
+                 const std::lock_guard gate(data->editGate);
+                 ++data->edits;
+                 forward ? data->history->redo() : data->history->undo();
+             },
+             [this, alive = QPointer<Document>(&document)](const JobInfo& info) {
+                 if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
+                 if (alive) alive->noteEdit();
+             },
+             true);
+}
+
+JobId Workspace::run(Document& document, const Step& step, const StepValues& values)
+{
+    struct Outcome {
+        PointIndex changed = 0;
+        QStringList newAttributes;
+    };
+    auto outcome = std::make_shared<Outcome>();
+    const auto data = document.data();
+    const QString title = toQString(step.title());
+    const JobId id = startJob(
+        tr("%1 of %2").arg(title, document.name()),
+        [data, &step, values, outcome](Progress& progress) {
+            const auto before = attributeNames(*data->cloud);
+            auto command = step.run(*data->cloud, completeValues(step, values), progress);
+            if (!command) return;
+            progress.check();
+            outcome->changed = command->changedPoints();
+            progress.begin("Changing points", 1);
+            {
+                const std::lock_guard gate(data->editGate);
+                ++data->edits;
+                data->history->push(std::move(command));
+            }
+            for (const std::string& name : attributeNames(*data->cloud))
+                if (std::find(before.begin(), before.end(), name) == before.end())
+                    outcome->newAttributes << toQString(name);
+        },
+        [this, alive = QPointer<Document>(&document), title, outcome](const JobInfo& info) {
+            if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
+            if (alive) alive->noteEdit();
+            emit stepEnded(info.id, title, outcome->changed, outcome->newAttributes, info);
+        });
+    m_documentJobs.emplace(&document, id);
+    return id;
+}
+
+}  // namespace punctum::ui

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/process/Step.h"
+#include "core/task/Jobs.h"
+#include "ui/Document.h"
+
+#include <QObject>
+#include <QPointer>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <vector>
+
+namespace punctum::ui
+{
+
+/// How grave a message to the user is.
+enum class MessageKind { Info, Warning, Error };
+
+/// The open documents, which of them is active, and the jobs that open, change and save them.
+///
+/// GUI thread only; every call returns at once, and the work is done by jobs. Signals come in the GUI thread.
+/// Results of a job whose document has been closed meanwhile are dropped. Destroying it cancels all jobs.
+class Workspace final : public QObject
+{
+    Q_OBJECT
+public:
+    using Ended = std::function<void(const JobInfo&)>;
+
+    explicit Workspace(QObject* parent = nullptr);
+    ~Workspace() override;
+
+    const std::vector<Document*>& documents() const noexcept { return m_documents; }
+    /// Null when nothing is open.
+    Document* active() const noexcept { return m_active; }
+    void setActive(Document* document);
+    Document* find(const PointCloud* cloud) const;
+
+    /// Reads the file; the document is there as soon as header and columns are, and fills meanwhile. A file that
+    /// cannot be read is one message, and nothing else changes. A file that is open already becomes active.
+    void open(const QString& path);
+    /// Files whose opening has begun and that are not documents yet, or still loading.
+    bool opening() const noexcept { return !m_opening.empty(); }
+    /// Without asking; a job that works on it is cancelled.
+    void close(Document& document);
+    /// Writes LAS or LAZ by the path's ending. `ended(true)`: written and renamed over `path`.
+    void save(Document& document, const QString& path, std::function<void(bool)> ended = {});
+    void undo(Document& document);
+    void redo(Document& document);
+    /// Runs a processing step and applies its command; stepEnded tells the result.
+    JobId run(Document& document, const Step& step, const StepValues& values);
+
+    /// Any other long work. `ended` is called in the GUI thread. Quiet jobs leave the list at once.
+    JobId startJob(const QString& title, Jobs::Work work, Ended ended = {}, bool quiet = false);
+    void cancel(JobId id) { m_jobs->cancel(id); }
+    Jobs& jobs() noexcept { return *m_jobs; }
+
+    /// Shows the user a sentence.
+    void say(MessageKind kind, const QString& sentence) { emit message(kind, sentence); }
+
+signals:
+    void documentAdded(punctum::ui::Document* document);
+    void documentLoaded(punctum::ui::Document* document);
+    /// Comes while the document still exists, and is no longer in documents().
+    void documentRemoved(punctum::ui::Document* document, bool openingFailed);
+    void activeChanged(punctum::ui::Document* document);
+    void documentStateChanged(punctum::ui::Document* document);
+    void cloudChanged(punctum::ui::Document* document, const punctum::ChangeNotice& notice);
+    void message(punctum::ui::MessageKind kind, const QString& sentence);
+    void jobStarted(quint64 id, const QString& title, bool quiet);
+    void jobEnded(const punctum::JobInfo& info);
+    /// `changed`: points whose values differ now; `error`: empty unless it failed.
+    void stepEnded(quint64 job, const QString& title, quint64 changed, const QStringList& newAttributes,
+                   const punctum::JobInfo& info);
+    void saved(punctum::ui::Document* document);
+
+private:
+    struct Opening;
+    void documentReady(const std::shared_ptr<Opening>& opening);
+    void openingEnded(const std::shared_ptr<Opening>& opening, const JobInfo& info);
+    void remove(Document& document, bool openingFailed);
+    void handleNotice(Document* document, const ChangeNotice& notice, std::vector<Attribute> attributes);
+    void analyse(Document& document, const QStringList& names);
+    void moveHistory(Document& document, bool forward);
+
+    struct Watch {
+        Subscription subscription;
+        QStringList pendingAnalysis;
+        JobId analysis = 0;
+    };
+
+    std::unique_ptr<Jobs> m_jobs;
+    std::vector<Document*> m_documents;
+    std::map<Document*, Watch> m_watches;
+    std::vector<std::shared_ptr<Opening>> m_opening;
+    std::multimap<Document*, JobId> m_documentJobs;
+    Document* m_active = nullptr;
+};
+
+}  // namespace punctum::ui

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <QColor>
+#include <QString>
+
+class QApplication;
+class QFont;
+
+namespace punctum::ui
+{
+
+/// The window's colours and spacing. GUI thread.
+
+enum class Appearance { System, Dark, Light };
+
+/// The colours that widgets of ours paint with, beyond the palette.
+struct ThemeColors {
+    bool dark = true;
+    QColor window, base, raised, hover, border, text, dim, accent, accentSoft, warning, error, good;
+};
+
+/// Style, palette and style sheet for the whole program. System: as the desktop says, dark where it says nothing.
+void applyTheme(QApplication& application, Appearance appearance);
+/// The colours in force.
+const ThemeColors& themeColors();
+
+/// Name as kept in the settings, and back.
+QString nameOf(Appearance appearance);
+Appearance appearanceFromName(const QString& name);
+
+/// `font`, `step` points smaller (negative) or larger, and bolder on request.
+QFont scaledFont(QFont font, double factor, bool bold = false);
+
+}  // namespace punctum::ui
