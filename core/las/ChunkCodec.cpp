@@ -1,1 +1,546 @@
 // SPDX-License-Identifier: MIT
+#include "core/las/ChunkCodec.h"
+
+#include "core/Error.h"
+#include "core/las/File.h"
+
+#include <laszip/laszip_api.h>
+
+#include <algorithm>
+#include <istream>
+#include <ostream>
+#include <streambuf>
+
+namespace punctum::las
+{
+
+namespace
+{
+
+// The same in every LASzip since 2.x; the header struct is not, so it is never touched (docs/dev/las.md).
+static_assert(sizeof(laszip_point) == 96);
+static_assert(offsetof(laszip_point, gps_time) == 32 && offsetof(laszip_point, rgb) == 40 &&
+              offsetof(laszip_point, wave_packet) == 48 && offsetof(laszip_point, num_extra_bytes) == 80 &&
+              offsetof(laszip_point, extra_bytes) == 88);
+
+enum ItemType : std::uint16_t {
+    kByte = 0,
+    kPoint10 = 6,
+    kGpsTime11 = 7,
+    kRgb12 = 8,
+    kWave13 = 9,
+    kPoint14 = 10,
+    kRgb14 = 11,
+    kRgbNir14 = 12,
+    kWave14 = 13,
+    kByte14 = 14
+};
+constexpr std::size_t kFixedPayload = 34, kItemBytes = 6;
+constexpr std::size_t kChunkSizeAt = 12;
+constexpr std::size_t kPointerBytes = 8;
+constexpr std::uint32_t kCoreLayers = 9;
+constexpr std::size_t kFileWindow = std::size_t(1) << 20;
+
+/// The items that a record of this format and length is made of (types and sizes).
+std::vector<LazInfo::Item> itemsOf(std::uint8_t format, std::uint16_t length)
+{
+    std::vector<LazInfo::Item> items;
+    const bool extended = isExtendedFormat(format);
+    items.push_back(extended ? LazInfo::Item{kPoint14, 30, 3} : LazInfo::Item{kPoint10, 20, 2});
+    if (!extended && hasGpsTime(format)) items.push_back({kGpsTime11, 8, 2});
+    if (hasNir(format))
+        items.push_back({kRgbNir14, 8, 3});
+    else if (hasColor(format))
+        items.push_back(extended ? LazInfo::Item{kRgb14, 6, 3} : LazInfo::Item{kRgb12, 6, 2});
+    if (hasWaveform(format))
+        items.push_back(extended ? LazInfo::Item{kWave14, 29, 3} : LazInfo::Item{kWave13, 29, 1});
+    if (const int extra = length - standardRecordLength(format); extra > 0)
+        items.push_back({extended ? kByte14 : kByte, std::uint16_t(extra), std::uint16_t(extended ? 3 : 2)});
+    return items;
+}
+
+bool versionExists(const LazInfo::Item& item)
+{
+    if (item.type >= kPoint14) return item.version >= 2 && item.version <= 4;
+    if (item.type == kWave13) return item.version == 1;
+    return item.version == 1 || item.version == 2;
+}
+
+template <typename T>
+T load(const std::byte* p)
+{
+    T v;
+    std::memcpy(&v, p, sizeof v);
+    return v;
+}
+
+/// A laszip handle, freed on every way out.
+class Handle
+{
+public:
+    Handle()
+    {
+        if (laszip_create(&m_handle) != 0) throw Error("LASzip cannot be started.");
+    }
+    ~Handle() { laszip_destroy(m_handle); }
+    Handle(const Handle&) = delete;
+    Handle& operator=(const Handle&) = delete;
+
+    laszip_POINTER get() const { return m_handle; }
+    std::string error() const
+    {
+        laszip_CHAR* text = nullptr;
+        return laszip_get_error(m_handle, &text) == 0 && text != nullptr ? text : "unknown error";
+    }
+    laszip_point* point() const
+    {
+        laszip_point* p = nullptr;
+        if (laszip_get_point_pointer(m_handle, &p) != 0 || p == nullptr) throw Error("LASzip: " + error() + ".");
+        return p;
+    }
+
+private:
+    laszip_POINTER m_handle = nullptr;
+};
+
+/// Where the optional parts of a record lie; -1: not there.
+struct Parts {
+    int gps = -1, rgb = -1, wave = -1, extra = -1;
+    std::size_t rgbBytes = 0, extraBytes = 0, length = 0;
+    bool extended = false;
+
+    Parts(std::uint8_t format, std::uint16_t recordLength)
+        : length(recordLength), extended(isExtendedFormat(format))
+    {
+        int at = extended ? 22 : 20;
+        const auto take = [&](std::size_t n) { return std::exchange(at, at + int(n)); };
+        if (hasGpsTime(format)) gps = take(8);
+        if (hasColor(format)) rgb = take(rgbBytes = hasNir(format) ? 8 : 6);
+        if (hasWaveform(format)) wave = take(29);
+        if (const std::size_t left = length - std::size_t(at); left > 0) extra = take(extraBytes = left);
+    }
+    void toRecord(const laszip_point& p, std::byte* r) const;
+    void fromRecord(const std::byte* r, laszip_point& p) const;
+};
+
+void Parts::toRecord(const laszip_point& p, std::byte* r) const
+{
+    const auto* raw = reinterpret_cast<const std::byte*>(&p);
+    if (!extended) {
+        std::memcpy(r, raw, 20);  // the struct begins with the record of format 0
+    } else {
+        std::memcpy(r, raw, 14);
+        const auto flags = std::uint8_t(raw[22]);
+        r[14] = raw[24];
+        r[15] = std::byte((flags >> 4) | ((flags >> 2) & 3) << 4 | (std::uint8_t(raw[14]) & 0xC0));
+        r[16] = raw[23];
+        r[17] = std::byte(p.user_data);
+        std::memcpy(r + 18, raw + 20, 2);
+        std::memcpy(r + 20, raw + 18, 2);
+    }
+    if (gps >= 0) std::memcpy(r + gps, raw + 32, 8);
+    if (rgb >= 0) std::memcpy(r + rgb, raw + 40, rgbBytes);
+    if (wave >= 0) std::memcpy(r + wave, raw + 48, 29);
+    if (extra >= 0) std::memcpy(r + extra, p.extra_bytes, extraBytes);
+}
+
+void Parts::fromRecord(const std::byte* r, laszip_point& p) const
+{
+    auto* raw = reinterpret_cast<std::byte*>(&p);
+    if (!extended) {
+        std::memcpy(raw, r, 20);
+    } else {
+        std::memcpy(raw, r, 14);
+        const auto returns = std::uint8_t(r[14]), flags = std::uint8_t(r[15]), cls = std::uint8_t(r[16]);
+        // LASzip wants the old fields filled as well: it checks them against the new ones when writing.
+        const unsigned ret = std::min(returns & 15, 7), count = std::min(returns >> 4, 7);
+        raw[14] = std::byte(ret | count << 3 | (flags & 0xC0));
+        raw[15] = std::byte((cls < 32 ? cls : 0) | (flags & 7) << 5);
+        raw[16] = std::byte(0);
+        raw[17] = r[17];
+        std::memcpy(raw + 18, r + 20, 2);
+        std::memcpy(raw + 20, r + 18, 2);
+        raw[22] = std::byte(1 | ((flags >> 4) & 3) << 2 | (flags & 15) << 4);  // 1: the new fields count
+        raw[23] = r[16];
+        raw[24] = r[14];
+    }
+    if (gps >= 0) std::memcpy(raw + 32, r + gps, 8);
+    if (rgb >= 0) std::memcpy(raw + 40, r + rgb, rgbBytes);
+    if (wave >= 0) std::memcpy(raw + 48, r + wave, 29);
+    if (extra >= 0) std::memcpy(p.extra_bytes, r + extra, extraBytes);
+}
+
+/// What LASzip reads: a small header made here, then the data, from memory or from the file window by window.
+class SourceBuffer : public std::streambuf
+{
+public:
+    SourceBuffer(std::vector<std::byte> prefix, std::span<const std::byte> data)
+        : m_prefix(std::move(prefix)), m_data(data), m_size(data.size())
+    {
+        window(0);
+    }
+    SourceBuffer(std::vector<std::byte> prefix, const File& file, std::uint64_t offset, std::uint64_t bytes)
+        : m_prefix(std::move(prefix)), m_file(&file), m_offset(offset), m_size(bytes)
+    {
+        window(0);
+    }
+    std::size_t prefixBytes() const { return m_prefix.size(); }
+
+protected:
+    int_type underflow() override
+    {
+        if (gptr() == egptr() && !window(position())) return traits_type::eof();
+        return traits_type::to_int_type(*gptr());
+    }
+    pos_type seekoff(off_type off, std::ios_base::seekdir way, std::ios_base::openmode) override
+    {
+        std::int64_t to = off;
+        if (way == std::ios_base::cur) to += std::int64_t(position());
+        if (way == std::ios_base::end) to += std::int64_t(m_prefix.size() + m_size);
+        if (way == std::ios_base::cur && off == 0) return pos_type(to);
+        return seekpos(pos_type(to), std::ios_base::in);
+    }
+    pos_type seekpos(pos_type pos, std::ios_base::openmode) override
+    {
+        const std::int64_t to = off_type(pos);
+        if (to < 0 || std::uint64_t(to) > m_prefix.size() + m_size) return pos_type(off_type(-1));
+        const auto at = std::uint64_t(to);
+        if (at >= m_windowStart && at <= m_windowStart + std::uint64_t(egptr() - eback()))
+            setg(eback(), eback() + (at - m_windowStart), egptr());
+        else
+            window(at);
+        return pos;
+    }
+
+private:
+    std::uint64_t position() const { return m_windowStart + std::uint64_t(gptr() - eback()); }
+    /// Makes the bytes from `at` on the ones that are read next; false at the end.
+    bool window(std::uint64_t at)
+    {
+        m_windowStart = at;
+        if (at < m_prefix.size()) {
+            show(m_prefix.data() + at, m_prefix.size() - at);
+            return true;
+        }
+        const std::uint64_t in = at - m_prefix.size();
+        if (in >= m_size) {
+            setg(nullptr, nullptr, nullptr);
+            return false;
+        }
+        if (m_file == nullptr) {
+            show(m_data.data() + in, m_data.size() - in);
+        } else {
+            m_window.resize(std::size_t(std::min<std::uint64_t>(kFileWindow, m_size - in)));
+            m_file->readAt(m_offset + in, m_window);
+            show(m_window.data(), m_window.size());
+        }
+        return true;
+    }
+    void show(const std::byte* p, std::size_t n)
+    {
+        // streambuf wants char*, and does not write through it here
+        auto* c = const_cast<char*>(reinterpret_cast<const char*>(p));
+        setg(c, c, c + n);
+    }
+
+    std::vector<std::byte> m_prefix;
+    std::span<const std::byte> m_data;
+    const File* m_file = nullptr;
+    std::uint64_t m_offset = 0;
+    std::uint64_t m_size = 0;
+    std::uint64_t m_windowStart = 0;
+    std::vector<std::byte> m_window;
+};
+
+/// A LAZ file of one run of points, up to where the compressed bytes begin: header, laszip record, and a table
+/// position that says "no table", which LASzip takes as a file that was cut off.
+std::vector<std::byte> miniFile(const LazInfo& info, std::uint32_t chunkSize, std::uint64_t count)
+{
+    const bool extended = isExtendedFormat(info.format);
+    Header h;
+    h.bytes.resize(extended ? 375 : 227);
+    std::memcpy(h.bytes.data(), "LASF", 4);
+    h.set<std::uint8_t>(24, 1);
+    h.set<std::uint8_t>(at::kVersionMinor, extended ? 4 : 2);
+    h.set<std::uint16_t>(at::kHeaderSize, std::uint16_t(h.bytes.size()));
+    h.set<std::uint32_t>(at::kPointOffset, std::uint32_t(h.bytes.size() + Vlr::kHeaderSize + info.payload.size()));
+    h.set<std::uint32_t>(at::kVlrCount, 1);
+    h.set<std::uint8_t>(at::kPointFormat, info.format | 0x80);
+    h.set<std::uint16_t>(at::kRecordLength, info.recordLength);
+    h.set<std::uint32_t>(at::kLegacyCount,
+                         extended ? 0 : std::uint32_t(std::min<std::uint64_t>(count, UINT32_MAX)));
+    h.set<std::uint64_t>(at::kPointCount, count);
+    for (std::size_t k = 0; k < 3; ++k) h.set<double>(at::kScale + 8 * k, 1.0);
+
+    std::vector<std::byte> bytes = std::move(h.bytes);
+    const auto add = [&](const void* p, std::size_t n) {
+        const auto* b = static_cast<const std::byte*>(p);
+        bytes.insert(bytes.end(), b, b + n);
+    };
+    const Vlr vlr = makeVlr(kLaszipUser, kLaszipRecordId, "", {});
+    const auto length = std::uint16_t(info.payload.size());
+    add(&vlr.reserved, 2);
+    add(vlr.userId.data(), 16);
+    add(&vlr.recordId, 2);
+    add(&length, 2);
+    add(vlr.description.data(), 32);
+    const std::size_t payloadAt = bytes.size();
+    add(info.payload.data(), info.payload.size());
+    std::memcpy(bytes.data() + payloadAt + kChunkSizeAt, &chunkSize, 4);
+    if (info.compressor != LazInfo::Pointwise) {
+        const auto here = std::int64_t(bytes.size());
+        add(&here, kPointerBytes);
+    }
+    return bytes;
+}
+
+/// Collects what LASzip writes; it goes back once, to fill in the position of the table.
+class SinkBuffer : public std::streambuf
+{
+public:
+    std::vector<std::byte> bytes;
+
+protected:
+    int_type overflow(int_type c) override
+    {
+        const char ch = traits_type::to_char_type(c);
+        put(&ch, 1);
+        return c;
+    }
+    std::streamsize xsputn(const char* s, std::streamsize n) override
+    {
+        put(s, std::size_t(n));
+        return n;
+    }
+    pos_type seekoff(off_type off, std::ios_base::seekdir way, std::ios_base::openmode) override
+    {
+        if (way == std::ios_base::cur) off += off_type(m_at);
+        if (way == std::ios_base::end) off += off_type(bytes.size());
+        return seekpos(pos_type(off), std::ios_base::out);
+    }
+    pos_type seekpos(pos_type pos, std::ios_base::openmode) override
+    {
+        if (off_type(pos) < 0 || off_type(pos) > off_type(bytes.size())) return pos_type(off_type(-1));
+        m_at = std::size_t(off_type(pos));
+        return pos;
+    }
+
+private:
+    void put(const char* s, std::size_t n)
+    {
+        if (m_at + n > bytes.size()) {
+            if (m_at + n > bytes.capacity()) bytes.reserve(std::max<std::size_t>(bytes.capacity() * 2, 1 << 16));
+            bytes.resize(m_at + n);
+        }
+        std::memcpy(bytes.data() + m_at, s, n);
+        m_at += n;
+    }
+    std::size_t m_at = 0;
+};
+
+}  // namespace
+
+std::uint32_t LazInfo::layers() const
+{
+    std::uint32_t n = 0;
+    for (const Item& item : items) {
+        switch (item.type) {
+            case kPoint14:
+                n += kCoreLayers;
+                break;
+            case kRgbNir14:
+                n += 2;
+                break;
+            case kByte14:
+                n += item.size;
+                break;
+            default:
+                n += 1;
+                break;
+        }
+    }
+    return n;
+}
+
+LazInfo LazInfo::parse(const Vlr& record, std::uint8_t format, std::uint16_t recordLength)
+{
+    const std::vector<std::byte>& d = record.data;
+    if (d.size() < kFixedPayload)
+        throw Error("The compression record is too short (" + std::to_string(d.size()) + " bytes).");
+    LazInfo info;
+    info.format = format;
+    info.recordLength = recordLength;
+    info.compressor = load<std::uint16_t>(d.data());
+    const auto coder = load<std::uint16_t>(d.data() + 2);
+    if (info.compressor < Pointwise || info.compressor > Layered || coder != 0)
+        throw Error("The points are compressed in an unsupported way (compressor " +
+                    std::to_string(info.compressor) + ", coder " + std::to_string(coder) + ").");
+    if ((info.compressor == Layered) != isExtendedFormat(format))
+        throw Error("The compression record does not fit point format " + std::to_string(format) +
+                    " (unsupported compressor " + std::to_string(info.compressor) + ").");
+    info.chunkSize = load<std::uint32_t>(d.data() + kChunkSizeAt);
+    if (info.chunkSize == 0) info.chunkSize = kVariableChunks;
+
+    const std::size_t count = load<std::uint16_t>(d.data() + 32);
+    const std::vector<Item> expected = itemsOf(format, recordLength);
+    if (d.size() < kFixedPayload + kItemBytes * count)
+        throw Error("The compression record is too short for its " + std::to_string(count) + " items.");
+    bool fits = count == expected.size();
+    for (std::size_t k = 0; fits && k < count; ++k) {
+        const std::byte* p = d.data() + kFixedPayload + kItemBytes * k;
+        const Item item{load<std::uint16_t>(p), load<std::uint16_t>(p + 2), load<std::uint16_t>(p + 4)};
+        fits = item.type == expected[k].type && item.size == expected[k].size;
+        if (fits && !versionExists(item))
+            throw Error("The points are compressed with an unsupported version (" + std::to_string(item.version) +
+                        ") of item " + std::to_string(item.type) + ".");
+        info.items.push_back(item);
+    }
+    if (!fits)
+        throw Error("The compression record does not fit point format " + std::to_string(format) +
+                    " with records of " + std::to_string(recordLength) + " bytes.");
+    info.payload.assign(d.begin(), d.begin() + std::ptrdiff_t(kFixedPayload + kItemBytes * count));
+    return info;
+}
+
+LazInfo LazInfo::standard(std::uint8_t format, std::uint16_t recordLength)
+{
+    const Handle handle;
+    laszip_U8* bytes = nullptr;
+    laszip_U32 size = 0;
+    if (laszip_set_point_type_and_size(handle.get(), format, recordLength) != 0 ||
+        laszip_request_native_extension(handle.get(), 1) != 0 ||
+        laszip_set_chunk_size(handle.get(), kDefaultChunkSize) != 0 ||
+        laszip_create_laszip_vlr(handle.get(), &bytes, &size) != 0 || size < Vlr::kHeaderSize)
+        throw Error("LASzip cannot compress point format " + std::to_string(format) + " (" + handle.error() + ").");
+    Vlr record;
+    const auto* p = reinterpret_cast<const std::byte*>(bytes) + Vlr::kHeaderSize;
+    record.data.assign(p, p + size - Vlr::kHeaderSize);
+    return parse(record, format, recordLength);
+}
+
+bool layeredChunkSize(std::span<const std::byte> start, const LazInfo& info, std::uint32_t& count,
+                      std::uint64_t& bytes)
+{
+    const std::uint32_t layers = info.layers();
+    const std::uint64_t head = std::uint64_t(info.recordLength) + 4 + 4 * std::uint64_t(layers);
+    if (start.size() < head) return false;
+    count = load<std::uint32_t>(start.data() + info.recordLength);
+    bytes = head;
+    for (std::uint32_t k = 0; k < layers; ++k)
+        bytes += load<std::uint32_t>(start.data() + info.recordLength + 4 + 4 * std::size_t(k));
+    return count > 0 && bytes < UINT32_MAX;
+}
+
+std::string checkLayeredChunk(std::span<const std::byte> chunk, const LazInfo& info, std::uint32_t count)
+{
+    std::uint32_t stated = 0;
+    std::uint64_t bytes = 0;
+    if (!layeredChunkSize(chunk, info, stated, bytes)) return "its layer sizes cannot be";
+    if (stated != count)
+        return "it states " + std::to_string(stated) + " points where the table says " + std::to_string(count);
+    if (bytes != chunk.size()) return "its layers do not fill its bytes";
+    return {};
+}
+
+struct PointDecoder::Impl {
+    SourceBuffer buffer;
+    std::istream stream;
+    Handle handle;
+    laszip_point* point = nullptr;
+    Parts parts;
+    bool open = false;
+
+    template <typename... Source>
+    Impl(const LazInfo& info, std::uint32_t chunkSize, std::uint64_t count, Source&&... source)
+        : buffer(miniFile(info, chunkSize, count), std::forward<Source>(source)...),
+          stream(&buffer),
+          parts(info.format, info.recordLength)
+    {
+        // An exception of ours (the disk failed) must come through the stream.
+        stream.exceptions(std::ios_base::badbit);
+    }
+    std::string start()
+    {
+        laszip_BOOL compressed = 0;
+        if (laszip_open_reader_stream(handle.get(), stream, &compressed) != 0) return handle.error();
+        open = true;
+        point = handle.point();
+        if (parts.extra >= 0 && (point->extra_bytes == nullptr || point->num_extra_bytes != int(parts.extraBytes)))
+            return "LASzip sees other extra bytes";
+        return {};
+    }
+    ~Impl()
+    {
+        if (open) laszip_close_reader(handle.get());
+    }
+};
+
+PointDecoder::PointDecoder(const LazInfo& info, std::span<const std::byte> data, std::uint64_t count)
+    : m_impl(
+          std::make_unique<Impl>(info, std::uint32_t(std::min<std::uint64_t>(count, UINT32_MAX - 1)), count, data))
+{
+    m_error = m_impl->start();
+}
+
+PointDecoder::PointDecoder(const LazInfo& info, const File& file, std::uint64_t offset, std::uint64_t bytes,
+                           std::uint64_t count)
+    : m_impl(std::make_unique<Impl>(info, info.chunkSize, count, file, offset, bytes))
+{
+    m_error = m_impl->start();
+}
+
+PointDecoder::~PointDecoder() = default;
+
+std::size_t PointDecoder::decode(std::size_t count, std::byte* records)
+{
+    if (!m_error.empty()) return 0;
+    const laszip_POINTER handle = m_impl->handle.get();
+    const Parts& parts = m_impl->parts;
+    for (std::size_t k = 0; k < count; ++k) {
+        if (laszip_read_point(handle) != 0) {
+            m_error = m_impl->handle.error();
+            return k;
+        }
+        parts.toRecord(*m_impl->point, records + k * parts.length);
+    }
+    return count;
+}
+
+std::uint64_t PointDecoder::position()
+{
+    const auto at = m_impl->stream.rdbuf()->pubseekoff(0, std::ios_base::cur, std::ios_base::in);
+    return std::uint64_t(std::streamoff(at)) - m_impl->buffer.prefixBytes();
+}
+
+std::vector<std::byte> encodeChunk(const LazInfo& info, std::span<const std::byte> records)
+{
+    SinkBuffer sink;
+    std::ostream stream(&sink);
+    const Handle handle;
+    const auto check = [&](laszip_I32 rc) {
+        if (rc != 0) throw Error("The points cannot be compressed (LASzip: " + handle.error() + ").");
+    };
+    check(laszip_set_point_type_and_size(handle.get(), info.format, info.recordLength));
+    check(laszip_request_native_extension(handle.get(), 1));
+    check(laszip_set_chunk_size(handle.get(), kDefaultChunkSize));
+    check(laszip_open_writer_stream(handle.get(), stream, 1, 1));
+    laszip_point* point = handle.point();
+    const Parts parts(info.format, info.recordLength);
+    if (parts.extra >= 0 && (point->extra_bytes == nullptr || point->num_extra_bytes != int(parts.extraBytes)))
+        throw Error("The points cannot be compressed (LASzip sees other extra bytes).");
+    const std::size_t count = records.size() / info.recordLength;
+    for (std::size_t k = 0; k < count; ++k) {
+        parts.fromRecord(records.data() + k * info.recordLength, *point);
+        check(laszip_write_point(handle.get()));
+    }
+    check(laszip_close_writer(handle.get()));
+    // [0, 8): where LASzip's own table begins, which ends the chunk
+    const auto tableAt = sink.bytes.size() >= kPointerBytes ? load<std::int64_t>(sink.bytes.data()) : -1;
+    if (stream.fail() || tableAt < std::int64_t(kPointerBytes) || std::uint64_t(tableAt) > sink.bytes.size())
+        throw Error("The points cannot be compressed (LASzip gave no chunk).");
+    sink.bytes.resize(std::size_t(tableAt));
+    sink.bytes.erase(sink.bytes.begin(), sink.bytes.begin() + kPointerBytes);
+    return std::move(sink.bytes);
+}
+
+}  // namespace punctum::las

@@ -116,6 +116,8 @@ public:
             m_ascii.assign(reinterpret_cast<const char*>(ascii->data.data()), ascii->data.size());
         }
     }
+    /// Whether the header of the keys is what GeoTIFF asks for.
+    bool sound() const { return m_words.size() >= 4 && m_words[0] == 1; }
     std::uint16_t number(std::uint16_t id) const
     {
         const std::uint16_t* key = find(id);
@@ -185,7 +187,10 @@ CrsInfo readCrs(const SourceFile& source)
     const bool found = wktFirst ? tryWkt() || tryKeys() : tryKeys() || tryWkt();
     if (!found) {
         info.text.clear();
-        info.unreadable = (wkt != nullptr && !wkt->data.empty()) || (keys != nullptr && keys->data.size() > 8);
+        // Keys that are sound but name nothing are no damage.
+        const bool soundKeys = keys != nullptr && GeoKeys(*keys, ascii).sound();
+        info.unreadable =
+            (wkt != nullptr && !wkt->data.empty()) || (keys != nullptr && !keys->data.empty() && !soundKeys);
     }
     return info;
 }

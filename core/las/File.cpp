@@ -1,1 +1,86 @@
 // SPDX-License-Identifier: MIT
+#include "core/las/File.h"
+
+#include "core/Error.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+namespace punctum::las
+{
+
+namespace
+{
+
+std::string reason(int error)
+{
+    return std::generic_category().message(error);
+}
+
+std::int64_t modifiedNs(const struct stat& s)
+{
+    return std::int64_t(s.st_mtim.tv_sec) * 1'000'000'000 + s.st_mtim.tv_nsec;
+}
+
+}  // namespace
+
+File::File(const std::filesystem::path& path) : m_path(path)
+{
+    // Not blocking: opening a pipe must not wait for its other end.
+    m_descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (m_descriptor < 0) {
+        if (errno == ENOENT) throw Error(path, "There is no such file.");
+        throw Error(path, "The file cannot be opened: " + reason(errno) + ".");
+    }
+    struct stat s {
+    };
+    const bool known = ::fstat(m_descriptor, &s) == 0;
+    if (!known || !S_ISREG(s.st_mode)) {
+        ::close(m_descriptor);
+        throw Error(path, known && S_ISDIR(s.st_mode) ? "This is a folder, not a file."
+                                                      : "This is not a regular file, so it cannot be opened.");
+    }
+    m_size = std::uint64_t(s.st_size);
+    m_modified = modifiedNs(s);
+}
+
+File::~File()
+{
+    if (m_descriptor >= 0) ::close(m_descriptor);
+}
+
+File::File(File&& other) noexcept
+    : m_path(std::move(other.m_path)),
+      m_descriptor(std::exchange(other.m_descriptor, -1)),
+      m_size(other.m_size),
+      m_modified(other.m_modified)
+{
+}
+
+void File::readAt(std::uint64_t offset, std::span<std::byte> out) const
+{
+    while (!out.empty()) {
+        const ssize_t n = ::pread(m_descriptor, out.data(), out.size(), off_t(offset));
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) throw Error(m_path, "The file cannot be read: " + reason(errno) + ".", offset);
+        if (n == 0)
+            throw Error(m_path, "The file ended while it was being read; was it changed meanwhile?", offset);
+        offset += std::uint64_t(n);
+        out = out.subspan(std::size_t(n));
+    }
+}
+
+void File::checkUnchanged() const
+{
+    struct stat s {
+    };
+    if (::fstat(m_descriptor, &s) != 0 || std::uint64_t(s.st_size) != m_size || modifiedNs(s) != m_modified)
+        throw Error(m_path, "The file was changed by another program while it was being read; open it again.");
+}
+
+}  // namespace punctum::las

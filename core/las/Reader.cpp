@@ -1,1 +1,306 @@
 // SPDX-License-Identifier: MIT
+#include "core/las/Reader.h"
+
+#include "core/Error.h"
+#include "core/las/File.h"
+#include "core/las/RecordBlocks.h"
+#include "core/las/SourceParser.h"
+#include "core/task/Progress.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+
+namespace punctum::las
+{
+
+namespace
+{
+
+constexpr std::size_t kBlockBytes = std::size_t(1) << 20;  ///< LAS: read at once by a thread; stays in its L2 cache
+constexpr std::uint64_t kMostInBlock = 1 << 15;            ///< points, LAS
+constexpr std::uint64_t kMostInBatch = 1 << 16;            ///< points handed on at once, LAZ
+constexpr std::uint64_t kDecodeStep = 4096;                ///< points between two looks at the cancel flag
+
+std::string count(std::uint64_t n)
+{
+    return std::to_string(n);
+}
+
+/// What the workers of one reading share.
+struct Shared {
+    Progress& progress;
+    const Reader::RecordVisitor& visit;
+    std::mutex mutex;
+    ReadResult result;
+
+    void miss(PointRange range, const std::string& why)
+    {
+        const std::lock_guard lock(mutex);
+        result.missing.push_back(range);
+        result.warnings.push_back("The points " + count(range.first) + " to " + count(range.last - 1) +
+                                  " are damaged and could not be read (" + why + ").");
+    }
+};
+
+/// Runs work(worker's scratch, k) for all k of `order`, each worker taking the next one.
+template <typename Work>
+void runSpread(const std::vector<std::uint32_t>& order, const Work& work)
+{
+    std::atomic<std::size_t> next{0};
+    std::atomic<bool> stop{false};
+    const int workers =
+        int(std::min<std::size_t>(std::size_t(tbb::this_task_arena::max_concurrency()), order.size()));
+    tbb::parallel_for(
+        0, workers,
+        [&](int) {
+            std::vector<std::byte> scratch;
+            while (!stop.load(std::memory_order_relaxed)) {
+                const std::size_t k = next.fetch_add(1, std::memory_order_relaxed);
+                if (k >= order.size()) return;
+                try {
+                    work(scratch, order[k]);
+                } catch (...) {
+                    stop = true;  // the others end soon, not after all the rest
+                    throw;
+                }
+            }
+        },
+        tbb::simple_partitioner());
+}
+
+}  // namespace
+
+struct Reader::Impl {
+    File file;
+    ParsedFile parsed;
+
+    void visitPlain(Shared& shared) const;
+    void visitChunk(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const;
+    void visitStream(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const;
+    bool decode(PointDecoder& decoder, const Chunk& chunk, std::uint64_t& done, std::vector<std::byte>& scratch,
+                Shared& shared) const;
+};
+
+Reader::Reader(std::unique_ptr<Impl> impl, std::shared_ptr<const SourceFile> source)
+    : m_impl(std::move(impl)), m_source(std::move(source))
+{
+}
+
+Reader::~Reader() = default;
+
+std::unique_ptr<Reader> Reader::open(const std::filesystem::path& path)
+{
+    File file(path);
+    ParsedFile parsed;
+    try {
+        parsed = parseFile(file);
+    } catch (const Error& e) {
+        if (!e.file().empty()) throw;
+        throw Error(path, e.what());
+    }
+    auto source = parsed.source;
+    auto impl = std::make_unique<Impl>(Impl{std::move(file), std::move(parsed)});
+    return std::unique_ptr<Reader>(new Reader(std::move(impl), std::move(source)));
+}
+
+std::shared_ptr<PointCloud> Reader::createCloud() const
+{
+    auto cloud = std::make_shared<PointCloud>(m_source->pointCount, m_source->coordinates);
+    makeColumns(*cloud, m_source->layout);
+    cloud->setSource(m_source);
+    return cloud;
+}
+
+void Reader::Impl::visitPlain(Shared& shared) const
+{
+    const SourceFile& s = *parsed.source;
+    const std::uint64_t length = s.layout.length;
+    // Whole groups of 64 points, which share the words of sets of points.
+    std::uint64_t block = std::min<std::uint64_t>(kMostInBlock, std::max<std::uint64_t>(64, kBlockBytes / length));
+    block = block / 64 * 64;
+    while ((s.pointCount + block - 1) / block > UINT32_MAX) block *= 2;
+    const auto blocks = std::uint32_t((s.pointCount + block - 1) / block);
+    runSpread(spreadOrder(blocks), [&](std::vector<std::byte>& scratch, std::uint32_t k) {
+        shared.progress.check();
+        const PointRange range{k * block, std::min((k + 1) * block, s.pointCount)};
+        scratch.resize(std::size_t(block * length));
+        const auto records = std::span(scratch).first(std::size_t(range.size() * length));
+        file.readAt(s.header.pointOffset() + range.first * length, records);
+        shared.visit(range, records);
+        shared.progress.add(range.size());
+    });
+}
+
+/// Decodes the next batch into `scratch`; false, with `done` unchanged, when the decoder fails in it.
+bool Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, std::uint64_t& done,
+                          std::vector<std::byte>& scratch, Shared& shared) const
+{
+    const std::uint64_t length = parsed.source->layout.length;
+    const std::uint64_t batch = std::min(chunk.count - done, kMostInBatch);
+    scratch.resize(std::size_t(batch * length));
+    for (std::uint64_t k = 0; k < batch; k += kDecodeStep) {
+        shared.progress.check();
+        const auto n = std::size_t(std::min(kDecodeStep, batch - k));
+        if (decoder.decode(n, scratch.data() + k * length) != n) return false;
+    }
+    done += batch;
+    return true;
+}
+
+void Reader::Impl::visitChunk(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const
+{
+    const std::uint64_t length = parsed.source->layout.length;
+    std::vector<std::byte> data(std::size_t(chunk.bytes));
+    file.readAt(chunk.offset, data);
+    std::uint64_t done = 0;
+    const auto damaged = [&](const std::string& why) {
+        shared.miss({chunk.first + done, chunk.first + chunk.count}, why);
+        shared.progress.add(chunk.count - done);
+    };
+    if (parsed.laz.compressor == LazInfo::Layered)
+        if (const std::string why = checkLayeredChunk(data, parsed.laz, std::uint32_t(chunk.count)); !why.empty())
+            return damaged(why);
+    PointDecoder decoder(parsed.laz, data, chunk.count);
+    while (done < chunk.count) {
+        const std::uint64_t before = done;
+        if (!decode(decoder, chunk, done, scratch, shared)) return damaged(decoder.error());
+        // A chunk that decodes into fewer or more bytes than it has holds something else than its points.
+        if (done == chunk.count && !chunk.cut && decoder.position() != chunk.bytes) {
+            done = before;
+            return damaged("its end is not where it should be");
+        }
+        shared.visit({chunk.first + before, chunk.first + done},
+                     std::span(scratch).first(std::size_t((done - before) * length)));
+        shared.progress.add(done - before);
+    }
+}
+
+void Reader::Impl::visitStream(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const
+{
+    const std::uint64_t length = parsed.source->layout.length;
+    PointDecoder decoder(parsed.laz, file, chunk.offset, chunk.bytes, chunk.count);
+    for (std::uint64_t done = 0; done < chunk.count;) {
+        const std::uint64_t before = done;
+        if (!decode(decoder, chunk, done, scratch, shared)) {
+            shared.miss({chunk.first + before, chunk.first + chunk.count}, decoder.error());
+            shared.progress.add(chunk.count - before);
+            return;
+        }
+        shared.visit({chunk.first + before, chunk.first + done},
+                     std::span(scratch).first(std::size_t((done - before) * length)));
+        shared.progress.add(done - before);
+    }
+}
+
+ReadResult Reader::visitRecords(Progress& progress, const RecordVisitor& visit) const
+{
+    Shared shared{progress, visit, {}, {}};
+    if (!m_source->compressed) {
+        m_impl->visitPlain(shared);
+    } else {
+        const std::vector<Chunk>& chunks = m_impl->parsed.chunks;
+        const bool stream = m_impl->parsed.laz.compressor == LazInfo::Pointwise;
+        runSpread(spreadOrder(std::uint32_t(chunks.size())), [&](std::vector<std::byte>& scratch, std::uint32_t k) {
+            progress.check();
+            if (stream)
+                m_impl->visitStream(chunks[k], scratch, shared);
+            else
+                m_impl->visitChunk(chunks[k], scratch, shared);
+        });
+    }
+    progress.check();
+    m_impl->file.checkUnchanged();
+    ReadResult result = std::move(shared.result);
+    std::sort(result.missing.begin(), result.missing.end(),
+              [](const PointRange& a, const PointRange& b) { return a.first < b.first; });
+    std::sort(result.warnings.begin(), result.warnings.end());
+    return result;
+}
+
+namespace
+{
+
+/// Extent and returns of the points of one thread.
+struct Seen {
+    RawBounds bounds;
+    std::array<std::uint64_t, 16> byReturn{};
+
+    void include(const std::int32_t* const axes[3], const std::uint8_t* returns, std::size_t n, std::uint8_t mask)
+    {
+        std::int32_t low[3], high[3];
+        for (int a = 0; a < 3; ++a) {
+            std::int32_t lo = INT32_MAX, hi = INT32_MIN;
+            for (std::size_t i = 0; i < n; ++i) {
+                lo = std::min(lo, axes[a][i]);
+                hi = std::max(hi, axes[a][i]);
+            }
+            low[a] = lo;
+            high[a] = hi;
+        }
+        bounds.include(low[0], low[1], low[2]);
+        bounds.include(high[0], high[1], high[2]);
+        // Four tables: neighbours often have the same value, and must not wait for each other.
+        std::uint32_t counts[4][256] = {};
+        std::size_t i = 0;
+        for (; i + 4 <= n; i += 4)
+            for (std::size_t k = 0; k < 4; ++k) ++counts[k][returns[i + k]];
+        for (; i < n; ++i) ++counts[0][returns[i]];
+        for (unsigned v = 0; v < 256; ++v)
+            byReturn[v & mask] += std::uint64_t(counts[0][v]) + counts[1][v] + counts[2][v] + counts[3][v];
+    }
+};
+
+}  // namespace
+
+ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& sink) const
+{
+    const RecordLayout& layout = m_source->layout;
+    if (cloud.size() != m_source->pointCount || cloud.columns().size() < layout.fields.size())
+        throw Error(m_source->path, "The points do not fit the cloud they are read into.");
+    progress.begin("Reading points", m_source->pointCount);
+    const auto returnsField = std::size_t(layout.find("Returns"));
+    const std::uint8_t returnMask = isExtendedFormat(layout.format) ? 15 : 7;
+    tbb::enumerable_thread_specific<Seen> seen;
+
+    ReadResult result = visitRecords(progress, [&](PointRange range, std::span<const std::byte> records) {
+        std::vector<std::byte*> columns(layout.fields.size());
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            columns[k] = cloud.columns()[k]->data() + range.first * layout.fields[k].bytes();
+        deinterleave(layout, records.data(), std::size_t(range.size()), columns);
+        const std::int32_t* const axes[3] = {cloud.rawX().data() + range.first, cloud.rawY().data() + range.first,
+                                             cloud.rawZ().data() + range.first};
+        const auto* returns = reinterpret_cast<const std::uint8_t*>(columns[returnsField]);
+        seen.local().include(axes, returns, std::size_t(range.size()), returnMask);
+        if (sink) sink(range);
+    });
+
+    PointsAsRead::Summary summary;
+    for (const Seen& s : seen) {
+        summary.bounds.include(s.bounds);
+        for (std::size_t k = 0; k < 16; ++k) summary.byReturn[k] += s.byReturn[k];
+    }
+    summary.complete = true;
+    summary.missing = result.missing;
+    result.bounds = summary.bounds;
+    m_source->asRead->set(std::move(summary));
+    return result;
+}
+
+std::shared_ptr<PointCloud> load(const std::filesystem::path& path, Progress& progress, ReadResult* result)
+{
+    const auto reader = Reader::open(path);
+    auto cloud = reader->createCloud();
+    ReadResult read = reader->read(*cloud, progress);
+    if (result != nullptr) {
+        const auto& opened = reader->source()->warnings;
+        read.warnings.insert(read.warnings.begin(), opened.begin(), opened.end());
+        *result = std::move(read);
+    }
+    return cloud;
+}
+
+}  // namespace punctum::las

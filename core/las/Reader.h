@@ -54,6 +54,14 @@ public:
     /// Throws Error (I/O) or Cancelled.
     ReadResult read(PointCloud& cloud, Progress& progress, const BatchSink& sink = {}) const;
 
+    /// Called from worker threads, several at once, with the raw records of a range, one after another.
+    using RecordVisitor = std::function<void(PointRange, std::span<const std::byte>)>;
+
+    /// Goes through all points as the file's own records (layout.length bytes each, decompressed), in parallel, in
+    /// the same order; what read() is made of, and what comparing files needs. `bounds` is not computed.
+    /// Throws Error (I/O), Cancelled or what `visit` throws.
+    ReadResult visitRecords(Progress& progress, const RecordVisitor& visit) const;
+
 private:
     struct Impl;
     Reader(std::unique_ptr<Impl> impl, std::shared_ptr<const SourceFile> source);

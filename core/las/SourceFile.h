@@ -128,6 +128,7 @@ struct SourceFile {
     std::vector<std::byte> gapBeforePoints;  ///< bytes between the last VLR and the points
     std::vector<std::byte> gapAfterPoints;   ///< bytes between the points (LAZ: chunk table) and the first EVLR
     std::vector<Vlr> evlrs;                  ///< of 1.3: the waveform record, when it is in the file
+    std::uint64_t pointDataEnd = 0;          ///< first byte after the points (LAZ: chunk table) in the file
     std::vector<std::byte> tail;             ///< bytes after the last EVLR (or after the points if there is none)
 
     bool compressed = false;

@@ -1,1 +1,418 @@
 // SPDX-License-Identifier: MIT
+#include "core/las/SourceParser.h"
+
+#include "core/Error.h"
+#include "core/las/Crs.h"
+#include "core/las/File.h"
+
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+
+namespace punctum::las
+{
+
+namespace
+{
+
+constexpr std::uint64_t kSmallestHeader = 227;
+constexpr std::uint8_t kNewestMinor = 5;
+constexpr std::size_t kSamplePlaces = 128;   ///< LAS: places in the file where points are looked at
+constexpr std::size_t kSampleRun = 64;       ///< LAS: neighbouring points at each place
+constexpr std::size_t kSampleChunks = 1024;  ///< LAZ: chunks whose first point is looked at
+constexpr double kLargestCoordinate = 1e18;  ///< beyond it no unit makes sense
+constexpr double kHeaderBoxAtMost = 20;      ///< times the sampled extent, else the header's box is not believed
+constexpr std::size_t kSamplesToJudge = 32;  ///< fewer samples say little on the extent
+constexpr std::uint16_t kInternalWaveform = 2, kExternalWaveform = 4;
+
+std::string text(std::uint64_t n)
+{
+    return std::to_string(n);
+}
+
+class Parser
+{
+public:
+    explicit Parser(const File& file) : m_file(file), m_source(std::make_shared<SourceFile>()), m_s(*m_source) {}
+
+    ParsedFile parse()
+    {
+        m_s.path = m_file.path();
+        m_s.fileSize = m_file.size();
+        readHeader();
+        readVlrs();
+        readCoordinates();
+        const auto records = [&] {
+            locatePoints();
+            return m_s.extraBytesRecords();
+        }();
+        m_s.layout =
+            makeLayout(m_s.header.pointFormat(), m_s.header.recordLength(), records, m_s.coordinates, m_s.warnings);
+        describe();
+        sample();
+        m_parsed.source = m_source;
+        return std::move(m_parsed);
+    }
+
+private:
+    [[noreturn]] void refuse(const std::string& sentence) const { throw Error(m_file.path(), sentence); }
+    void warn(const std::string& sentence) { m_s.warnings.push_back(sentence); }
+    void warnRecovered(const std::string& sentence)
+    {
+        warn(sentence);
+        m_s.recovered = true;
+    }
+
+    void readHeader()
+    {
+        Header& h = m_s.header;
+        if (m_file.size() < 4 || m_file.size() < kSmallestHeader) {
+            refuse("This is not a LAS file: it has " + text(m_file.size()) + " bytes, and a header needs " +
+                   text(kSmallestHeader) + ".");
+        }
+        h.bytes.resize(kSmallestHeader);
+        m_file.readAt(0, h.bytes);
+        if (std::memcmp(h.bytes.data(), "LASF", 4) != 0)
+            refuse("This is not a LAS file: its signature is not LASF.");
+        const std::uint16_t size = h.headerSize();
+        if (h.versionMajor() != 1 || h.versionMinor() > kNewestMinor)
+            refuse("LAS version " + h.version() + " is not supported.");
+        if (size < kSmallestHeader)
+            refuse("The header size " + text(size) + " is less than " + text(kSmallestHeader) + ".");
+        if (size > m_file.size())
+            refuse("The header size " + text(size) + " is beyond the end of the file (" + text(m_file.size()) +
+                   " bytes).");
+        h.bytes.resize(size);
+        m_file.readAt(0, h.bytes);
+
+        const auto formatByte = h.get<std::uint8_t>(at::kPointFormat);
+        const std::uint8_t format = h.pointFormat();
+        if ((formatByte & 0xC0) == 0xC0 || format > kLastPointFormat)
+            refuse("Point format " + text(formatByte & 0x7F) + " is not supported.");
+        if (h.recordLength() < standardRecordLength(format))
+            refuse("The point records are " + text(h.recordLength()) + " bytes long, but point format " +
+                   text(format) + " needs " + text(standardRecordLength(format)) + ".");
+        if (h.pointOffset() < size || h.pointOffset() > m_file.size())
+            refuse("The point data starts at " + text(h.pointOffset()) + ", outside the file.");
+        m_s.compressed = h.compressed();
+
+        if (h.versionMinor() == kNewestMinor)
+            warn("The file is of LAS 1.5; it is read as 1.4, and what is new in 1.5 is kept.");
+        if (size < standardHeaderSize(h.versionMinor()))
+            warn("The header of LAS " + h.version() + " should have " + text(standardHeaderSize(h.versionMinor())) +
+                 " bytes, but has " + text(size) + "; the missing fields are taken as empty.");
+    }
+
+    /// False when no record can begin there.
+    bool readRecord(std::uint64_t offset, std::uint64_t end, bool extended, Vlr& vlr) const
+    {
+        const std::size_t head = extended ? Vlr::kExtendedHeaderSize : Vlr::kHeaderSize;
+        if (offset > end || end - offset < head) return false;
+        std::array<std::byte, Vlr::kExtendedHeaderSize> raw{};
+        m_file.readAt(offset, std::span(raw).first(head));
+        std::uint64_t length = 0;
+        std::memcpy(&vlr.reserved, raw.data(), 2);
+        std::memcpy(vlr.userId.data(), raw.data() + 2, 16);
+        std::memcpy(&vlr.recordId, raw.data() + 18, 2);
+        std::memcpy(&length, raw.data() + 20, extended ? 8 : 2);
+        std::memcpy(vlr.description.data(), raw.data() + (extended ? 28 : 22), 32);
+        if (length > end - offset - head) return false;
+        vlr.extended = extended;
+        vlr.data.resize(std::size_t(length));
+        m_file.readAt(offset + head, vlr.data);
+        return true;
+    }
+
+    void readVlrs()
+    {
+        const auto announced = m_s.header.get<std::uint32_t>(at::kVlrCount);
+        const std::uint64_t end = m_s.header.pointOffset();
+        std::uint64_t offset = m_s.header.bytes.size();
+        for (std::uint32_t k = 0; k < announced; ++k) {
+            Vlr vlr;
+            if (!readRecord(offset, end, false, vlr)) {
+                warn(text(announced) + " variable length records are announced, " + text(k) +
+                     " are found; the bytes after them are kept.");
+                break;
+            }
+            offset += vlr.bytesInFile();
+            m_s.vlrs.push_back(std::move(vlr));
+        }
+        m_s.gapBeforePoints.resize(std::size_t(end - offset));
+        m_file.readAt(offset, m_s.gapBeforePoints);
+    }
+
+    void readCoordinates()
+    {
+        const char* axes[] = {"X", "Y", "Z"};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto scale = m_s.header.get<double>(at::kScale + 8 * k);
+            const auto offset = m_s.header.get<double>(at::kOffset + 8 * k);
+            const double largest = std::fabs(offset) + std::fabs(scale) * 2147483648.0;
+            if (scale != 0.0 && largest < kLargestCoordinate) {  // false for NaN as well
+                m_s.coordinates.scale[int(k)] = scale;
+                m_s.coordinates.offset[int(k)] = offset;
+                if (scale < 0) warn(std::string("The scale of ") + axes[k] + " is negative.");
+            } else {
+                m_s.coordinates.scale[int(k)] = 1.0;
+                m_s.coordinates.offset[int(k)] = 0.0;
+                warn(std::string("The scale or offset of ") + axes[k] +
+                     " cannot be used; its stored integers are shown.");
+            }
+        }
+    }
+
+    /// The header's counts of points, the one to be believed first (LAS 1.4 R15, 2.4; the data decides later).
+    std::vector<std::uint64_t> statedCounts() const
+    {
+        const Header& h = m_s.header;
+        const std::uint64_t legacy = h.get<std::uint32_t>(at::kLegacyCount);
+        if (!h.extendedCounts()) return {legacy};
+        const auto count = h.get<std::uint64_t>(at::kPointCount);
+        if (legacy == 0 || legacy == count) return {count};
+        if (count == 0) return {legacy, 0};
+        return {count, legacy};
+    }
+
+    /// Where the first EVLR (1.3: the waveform record) says to be; 0 when there is none.
+    std::uint64_t statedEvlrStart(std::uint32_t& count) const
+    {
+        const Header& h = m_s.header;
+        count = 0;
+        if (h.extendedCounts()) {
+            count = h.get<std::uint32_t>(at::kEvlrCount);
+            return count != 0 ? h.get<std::uint64_t>(at::kEvlrStart) : 0;
+        }
+        const auto waveform = h.get<std::uint64_t>(at::kWaveformStart);
+        if (h.versionMinor() < 3 || waveform == 0 || (h.globalEncoding() & kInternalWaveform) == 0) return 0;
+        count = 1;
+        return waveform;
+    }
+
+    void locatePoints()
+    {
+        const std::uint64_t begin = m_s.header.pointOffset();
+        std::uint32_t evlrCount = 0;
+        std::uint64_t evlrStart = statedEvlrStart(evlrCount);
+        if (evlrStart != 0 && !m_s.compressed) evlrStart = unwrapped(evlrStart);
+        bool usable = evlrStart >= begin && evlrStart <= m_file.size() &&
+                      m_file.size() - evlrStart >= Vlr::kExtendedHeaderSize;
+        if (evlrStart != 0 && usable && evlrStart < statedPointEnd()) {
+            usable = false;
+            warnRecovered(
+                "The extended records begin inside the point data; the points are read and the records "
+                "are ignored.");
+        } else if (evlrCount != 0 && !usable) {
+            warnRecovered("The " + text(evlrCount) + " extended records should begin at " + text(evlrStart) +
+                          ", where they cannot be; they are ignored.");
+        }
+        const std::uint64_t end = usable ? evlrStart : m_file.size();
+        m_s.pointDataEnd = m_s.compressed ? locateCompressed(begin, end) : locatePlain(begin, end);
+
+        if (usable) {
+            m_s.gapAfterPoints = bytes(m_s.pointDataEnd, evlrStart);
+            readEvlrs(evlrStart, evlrCount);
+        } else {
+            m_s.tail = bytes(m_s.pointDataEnd, m_file.size());
+        }
+    }
+
+    /// Some programs cut the EVLR offset of files beyond 4 GiB to 32 bits: it is put right where the points end.
+    std::uint64_t unwrapped(std::uint64_t start) const
+    {
+        const std::uint64_t end = statedPointEnd();
+        const bool wrapped = start < m_s.header.pointOffset() || start < end;
+        return wrapped && end > UINT32_MAX && (end & UINT32_MAX) == start ? end : start;
+    }
+
+    /// End of uncompressed points if the header's count is right and they are in the file; else 0.
+    /// Compressed: the position of the chunk table, if that can be.
+    std::uint64_t statedPointEnd() const
+    {
+        const std::uint64_t begin = m_s.header.pointOffset();
+        if (m_s.compressed) {
+            if (m_file.size() - begin < 8) return 0;
+            std::uint64_t table = 0;
+            m_file.readAt(begin, std::as_writable_bytes(std::span(&table, 1)));
+            return table <= m_file.size() && table >= begin ? table : 0;
+        }
+        const std::uint64_t room = (m_file.size() - begin) / m_s.header.recordLength();
+        const std::uint64_t count = statedCounts().front();
+        return count <= room ? begin + count * m_s.header.recordLength() : 0;
+    }
+
+    std::vector<std::byte> bytes(std::uint64_t from, std::uint64_t to) const
+    {
+        std::vector<std::byte> b(std::size_t(to > from ? to - from : 0));
+        m_file.readAt(from, b);
+        return b;
+    }
+
+    std::uint64_t locatePlain(std::uint64_t begin, std::uint64_t end)
+    {
+        const std::uint64_t length = m_s.header.recordLength();
+        const std::uint64_t held = (end - begin) / length;
+        const std::vector<std::uint64_t> counts = statedCounts();
+        if (std::find(counts.begin(), counts.end(), held) != counts.end()) {
+            m_s.pointCount = held;
+            if (counts.size() > 1)
+                warn("The header's two point counts differ (" + text(counts[0]) + " and " + text(counts[1]) +
+                     "); the file holds " + text(held) + ".");
+        } else {
+            const std::uint64_t stated = counts.front();
+            m_s.pointCount = std::min(stated, held);
+            if (stated > held)
+                warnRecovered("The header says " + text(stated) + " points, the file holds " + text(held) + ".");
+            else if (counts.size() > 1)
+                warn("The header's two point counts differ (" + text(counts[0]) + " and " + text(counts[1]) +
+                     "); the first is used.");
+        }
+        return begin + m_s.pointCount * length;
+    }
+
+    std::uint64_t locateCompressed(std::uint64_t begin, std::uint64_t end)
+    {
+        const Vlr* record = nullptr;
+        for (const Vlr& vlr : m_s.vlrs)
+            if (vlr.is(kLaszipUser, kLaszipRecordId)) record = &vlr;
+        if (record == nullptr) refuse("The points are compressed, but the compression record is missing.");
+        try {
+            m_parsed.laz = LazInfo::parse(*record, m_s.header.pointFormat(), m_s.header.recordLength());
+        } catch (const Error& e) {
+            refuse(e.what());
+        }
+        const auto counts = statedCounts();
+        ChunkList list = findChunks(m_file, begin, end, m_parsed.laz, counts);
+        m_s.warnings.insert(m_s.warnings.end(), list.warnings.begin(), list.warnings.end());
+        m_s.recovered = m_s.recovered || list.recovered;
+        m_s.pointCount = list.points;
+        m_parsed.chunks = std::move(list.chunks);
+        return list.end;
+    }
+
+    void readEvlrs(std::uint64_t offset, std::uint32_t count)
+    {
+        const auto waveform = m_s.header.get<std::uint64_t>(at::kWaveformStart);
+        for (std::uint32_t k = 0; k < count; ++k) {
+            Vlr vlr;
+            if (!readRecord(offset, m_file.size(), true, vlr)) {
+                warnRecovered(text(count) + " extended records are announced, " + text(k) +
+                              " are found; the bytes after them are kept.");
+                break;
+            }
+            if (offset == waveform) m_s.waveformEvlr = m_s.evlrs.size();
+            offset += vlr.bytesInFile();
+            m_s.evlrs.push_back(std::move(vlr));
+        }
+        m_s.tail = bytes(offset, m_file.size());
+    }
+
+    void describe()
+    {
+        const CrsInfo crs = readCrs(m_s);
+        m_s.crs = crs.text;
+        m_s.layout.attributes[0].unit = m_s.layout.attributes[1].unit = crs.horizontalUnit;
+        m_s.layout.attributes[2].unit = crs.verticalUnit;
+        if (crs.unreadable)
+            warn("The record on the coordinate system cannot be understood; the system is unknown.");
+        const std::uint16_t encoding = m_s.header.globalEncoding();
+        if (isExtendedFormat(m_s.layout.format) && (encoding & 16) == 0)
+            warn("Point format " + text(m_s.layout.format) +
+                 " asks for a coordinate system in WKT, but the file does not announce one.");
+        if (m_s.findVlr("lascompatible", 22204) != nullptr && !isExtendedFormat(m_s.layout.format))
+            warn("The file is in LAS 1.4 compatibility mode: its LAS 1.4 fields are shown as extra bytes.");
+        if (hasWaveform(m_s.layout.format) && (encoding & kExternalWaveform) != 0) describeWaveform();
+    }
+
+    void describeWaveform()
+    {
+        std::error_code ignored;
+        for (const char* ending : {".wdp", ".WDP"}) {
+            std::filesystem::path packets = m_s.path;
+            if (std::filesystem::exists(packets.replace_extension(ending), ignored)) return;
+        }
+        warn("The waveforms are in a separate .wdp file, which is not there.");
+    }
+
+    void includeSample(const std::byte* record)
+    {
+        std::int32_t p[3];
+        std::memcpy(p, record, sizeof p);
+        m_s.sampledBounds.include(p[0], p[1], p[2]);
+        ++m_samples;
+    }
+
+    void sample()
+    {
+        if (m_s.compressed) {
+            const std::size_t step = std::max<std::size_t>(1, m_parsed.chunks.size() / kSampleChunks);
+            for (std::size_t k = 0; k < m_parsed.chunks.size(); k += step) {
+                std::array<std::byte, 12> record{};
+                if (m_parsed.chunks[k].bytes < record.size()) continue;
+                m_file.readAt(m_parsed.chunks[k].offset, record);
+                includeSample(record.data());
+            }
+        } else if (m_s.pointCount != 0) {
+            const std::uint64_t length = m_s.layout.length;
+            const std::uint64_t run = std::min<std::uint64_t>(kSampleRun, m_s.pointCount);
+            const std::uint64_t places = std::min<std::uint64_t>(kSamplePlaces, m_s.pointCount / run);
+            std::vector<std::byte> records(std::size_t(run * length));
+            for (std::uint64_t k = 0; k < places; ++k) {
+                const std::uint64_t last = m_s.pointCount - run;
+                const std::uint64_t first =
+                    places < 2 ? 0 : last / (places - 1) * k + last % (places - 1) * k / (places - 1);
+                m_file.readAt(m_s.header.pointOffset() + first * length, records);
+                for (std::uint64_t i = 0; i < run; ++i) includeSample(records.data() + i * length);
+            }
+        }
+        m_s.firstBounds = m_s.coordinates.toWorld(m_s.sampledBounds);
+        const WorldBounds stated = headerBounds();
+        if (believable(stated)) m_s.firstBounds.include(stated);
+    }
+
+    WorldBounds headerBounds() const
+    {
+        WorldBounds b;
+        for (std::size_t k = 0; k < 3; ++k) {  // max before min
+            b.max[int(k)] = m_s.header.get<double>(at::kBounds + 16 * k);
+            b.min[int(k)] = m_s.header.get<double>(at::kBounds + 16 * k + 8);
+        }
+        return b;
+    }
+
+    bool believable(const WorldBounds& stated) const
+    {
+        const WorldBounds& sampled = m_s.firstBounds;
+        if (sampled.empty()) return false;
+        const glm::dvec3 slack = glm::abs(m_s.coordinates.scale);
+        for (int k = 0; k < 3; ++k) {
+            const double size = stated.max[k] - stated.min[k];
+            if (!(size >= 0) || !(std::fabs(stated.min[k]) < kLargestCoordinate) ||
+                !(std::fabs(stated.max[k]) < kLargestCoordinate))
+                return false;
+            if (sampled.min[k] < stated.min[k] - slack[k] || sampled.max[k] > stated.max[k] + slack[k])
+                return false;
+        }
+        if (m_samples < kSamplesToJudge) return true;
+        const glm::dvec3 a = stated.max - stated.min, b = sampled.max - sampled.min;
+        return std::max({a.x, a.y, a.z}) <= kHeaderBoxAtMost * std::max({b.x, b.y, b.z});
+    }
+
+    const File& m_file;
+    std::shared_ptr<SourceFile> m_source;
+    SourceFile& m_s;
+    ParsedFile m_parsed;
+    std::size_t m_samples = 0;
+};
+
+}  // namespace
+
+ParsedFile parseFile(const File& file)
+{
+    return Parser(file).parse();
+}
+
+}  // namespace punctum::las

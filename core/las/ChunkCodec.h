@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/las/SourceFile.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace punctum::las
+{
+
+class File;
+
+constexpr std::uint32_t kVariableChunks = 0xFFFFFFFFu;  ///< chunk size in the laszip record: see the chunk table
+constexpr std::uint32_t kDefaultChunkSize = 50000;      ///< what LASzip writes
+
+/// The laszip record: how the points are compressed. Only what a file of this format can mean gets through.
+struct LazInfo {
+    enum Compressor : std::uint16_t { Pointwise = 1, Chunked = 2, Layered = 3 };
+    struct Item {
+        std::uint16_t type = 0, size = 0, version = 0;
+    };
+
+    std::uint16_t compressor = Chunked;
+    std::uint32_t chunkSize = kDefaultChunkSize;  ///< kVariableChunks when chunks differ
+    std::vector<Item> items;
+    std::vector<std::byte> payload;  ///< of the record, 34 + 6 bytes an item
+    std::uint8_t format = 0;
+    std::uint16_t recordLength = 0;
+
+    bool variable() const { return chunkSize == kVariableChunks; }
+    /// Layers of a chunk of the layered compressor.
+    std::uint32_t layers() const;
+    /// Parses and checks the record against point format and record length. Throws Error.
+    static LazInfo parse(const Vlr& record, std::uint8_t format, std::uint16_t recordLength);
+    /// What LASzip itself writes for this format, with chunks of kDefaultChunkSize.
+    static LazInfo standard(std::uint8_t format, std::uint16_t recordLength);
+};
+
+constexpr const char* kLaszipUser = "laszip encoded";
+constexpr std::uint16_t kLaszipRecordId = 22204;
+
+/// Why a layered chunk cannot be decoded: its own count and layer sizes are checked against `count` and its bytes,
+/// which LASzip does not do. Empty when it can.
+std::string checkLayeredChunk(std::span<const std::byte> chunk, const LazInfo& info, std::uint32_t count);
+/// Count and size that a layered chunk states in its first bytes (recordLength + 4 + 4 * layers() of them);
+/// false when there are too few bytes or the sizes cannot be.
+bool layeredChunkSize(std::span<const std::byte> start, const LazInfo& info, std::uint32_t& count,
+                      std::uint64_t& bytes);
+
+/// Decodes one run of compressed points with LASzip, from memory or straight from the file. For one thread.
+/// After an error nothing more can be decoded.
+class PointDecoder
+{
+public:
+    /// A chunk in memory; `data` must stay. `count`: its points.
+    PointDecoder(const LazInfo& info, std::span<const std::byte> data, std::uint64_t count);
+    /// The bytes [offset, offset + bytes) of a file: a pointwise stream, or chunks of info.chunkSize one after
+    /// another.
+    PointDecoder(const LazInfo& info, const File& file, std::uint64_t offset, std::uint64_t bytes,
+                 std::uint64_t count);
+    ~PointDecoder();
+    PointDecoder(const PointDecoder&) = delete;
+    PointDecoder& operator=(const PointDecoder&) = delete;
+
+    /// Decodes up to `count` points into records of info.recordLength bytes; fewer only on an error.
+    std::size_t decode(std::size_t count, std::byte* records);
+    /// Bytes of the data taken so far.
+    std::uint64_t position();
+    /// What LASzip said; empty when all went well.
+    const std::string& error() const noexcept { return m_error; }
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> m_impl;
+    std::string m_error;
+};
+
+/// The bytes of one chunk with these records (the same that LASzip writes serially), at most kDefaultChunkSize.
+/// May be called from several threads. Throws Error.
+std::vector<std::byte> encodeChunk(const LazInfo& info, std::span<const std::byte> records);
+
+}  // namespace punctum::las

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/las/ChunkTable.h"
+#include "core/las/SourceFile.h"
+
+#include <memory>
+#include <vector>
+
+namespace punctum::las
+{
+
+class File;
+
+/// A file's non-point part, checked, and where its points are.
+struct ParsedFile {
+    std::shared_ptr<SourceFile> source;
+    LazInfo laz;                ///< of compressed files
+    std::vector<Chunk> chunks;  ///< of compressed files
+};
+
+/// Reads and checks header, VLRs, EVLRs, extra bytes, coordinate system and chunk table, and samples a few points
+/// for a first idea of the extent. Every size, count and offset is checked before it is used.
+/// Throws Error on what cannot be opened; what can is warned of in the SourceFile.
+ParsedFile parseFile(const File& file);
+
+}  // namespace punctum::las
