@@ -7,14 +7,16 @@
 #include <stdexcept>
 #include <string>
 
-namespace punctum {
+namespace punctum
+{
 
 /// The one error type of Punctum: a sentence a user can act on.
 ///
 /// Thrown by everything in core and render that can fail because of its input or its surroundings
 /// (files, memory, drivers). A broken promise of the code itself is an assertion, not an Error.
 /// `what()` is the whole sentence, with the file's name in front when there is one.
-class Error : public std::runtime_error {
+class Error : public std::runtime_error
+{
 public:
     explicit Error(const std::string& sentence);
     Error(const std::filesystem::path& file, const std::string& sentence);

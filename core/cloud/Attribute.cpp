@@ -11,9 +11,11 @@
 #include <cmath>
 #include <limits>
 
-namespace punctum {
+namespace punctum
+{
 
-namespace {
+namespace
+{
 
 /// Points handled between two looks at the cancel flag.
 constexpr PointIndex kGrain = 1 << 16;
@@ -136,7 +138,8 @@ void Attribute::read(PointRange range, double* out, std::uint32_t component) con
     });
 }
 
-void Attribute::gather(std::span<const std::uint32_t> indices, double bias, float* out, std::uint32_t component) const
+void Attribute::gather(std::span<const std::uint32_t> indices, double bias, float* out,
+                       std::uint32_t component) const
 {
     visitScalar(columns[component]->type(), [&](auto zero) {
         const RawReader<decltype(zero)> raw(*this, component);
@@ -144,7 +147,8 @@ void Attribute::gather(std::span<const std::uint32_t> indices, double bias, floa
     });
 }
 
-void Attribute::gatherBits(std::span<const std::uint32_t> indices, std::uint32_t* out, std::uint32_t component) const
+void Attribute::gatherBits(std::span<const std::uint32_t> indices, std::uint32_t* out,
+                           std::uint32_t component) const
 {
     visitScalar(columns[component]->type(), [&](auto zero) {
         using T = decltype(zero);

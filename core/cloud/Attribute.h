@@ -11,7 +11,8 @@
 #include <variant>
 #include <vector>
 
-namespace punctum {
+namespace punctum
+{
 
 class Progress;
 

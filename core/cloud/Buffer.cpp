@@ -9,9 +9,11 @@
 #include <string>
 #include <utility>
 
-namespace punctum {
+namespace punctum
+{
 
-namespace {
+namespace
+{
 
 constexpr std::size_t kReadableTail = 128;
 constexpr std::size_t kPage = 4096;

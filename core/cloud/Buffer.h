@@ -3,14 +3,16 @@
 
 #include <cstddef>
 
-namespace punctum {
+namespace punctum
+{
 
 /// Zero-filled memory for large arrays, in huge pages where the system gives them.
 ///
 /// Pages are taken only when first touched, so that a large column costs nothing until it is filled.
 /// Move-only; an empty Buffer owns nothing. Page aligned, and readable for 128 bytes past its end, so that
 /// SIMD code may load whole vectors at the end of an array.
-class Buffer {
+class Buffer
+{
 public:
     Buffer() noexcept = default;
     /// Throws Error when the memory cannot be had.

@@ -10,7 +10,8 @@
 #include <string>
 #include <type_traits>
 
-namespace punctum {
+namespace punctum
+{
 
 /// Index of a point in its cloud: its position in the file, never changed by an edit.
 using PointIndex = std::uint64_t;
@@ -30,7 +31,8 @@ struct PointRange {
 /// Bit-packed bytes stay bytes; undocumented extra bytes are one column of `components` bytes a point.
 /// Shape: size() x components() of type(), contiguous, point after point. Not synchronised: see
 /// PointCloud::mutex().
-class Column {
+class Column
+{
 public:
     /// Throws Error when the memory cannot be had.
     Column(std::string name, ScalarType type, PointIndex size, std::uint32_t components = 1)

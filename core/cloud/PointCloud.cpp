@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "core/cloud/PointCloud.h"
 
-#include <glm/common.hpp>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
+#include <glm/common.hpp>
 
 #include <algorithm>
 #include <map>
 
-namespace punctum {
+namespace punctum
+{
 
 bool ChangeNotice::concerns(const Attribute& attribute) const
 {
@@ -71,7 +72,10 @@ std::shared_ptr<Column> PointCloud::addColumn(std::shared_ptr<Column> column)
     return m_columns.emplace_back(std::move(column));
 }
 
-void PointCloud::addAttribute(Attribute attribute) { m_attributes.push_back(std::move(attribute)); }
+void PointCloud::addAttribute(Attribute attribute)
+{
+    m_attributes.push_back(std::move(attribute));
+}
 
 void PointCloud::removeAttribute(std::string_view name)
 {
@@ -138,8 +142,8 @@ void addComposite(PointCloud& cloud, const std::string& name, AttributeKind kind
         const Attribute* part = cloud.findAttribute(parts[c]);
         if (part == nullptr || part->components != 1) return;
         if (c == 0) composite = *part;
-        if (part->type() != composite.type() || part->scaled != composite.scaled || part->scale != composite.scale ||
-            part->offset != composite.offset)
+        if (part->type() != composite.type() || part->scaled != composite.scaled ||
+            part->scale != composite.scale || part->offset != composite.offset)
             return;
         composite.columns[c] = part->columns[0];
     }

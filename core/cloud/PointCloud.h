@@ -14,9 +14,11 @@
 #include <string_view>
 #include <vector>
 
-namespace punctum {
+namespace punctum
+{
 
-namespace las {
+namespace las
+{
 struct SourceFile;
 }
 
@@ -65,7 +67,8 @@ struct CoordinateScale {
 };
 
 /// Ends a subscription when destroyed.
-class Subscription {
+class Subscription
+{
 public:
     Subscription() = default;
     explicit Subscription(std::function<void()> end) : m_end(std::move(end)) {}
@@ -92,7 +95,8 @@ private:
 /// Threads: the list of columns and attributes, and values, are guarded by mutex(): readers that may meet an
 /// edit hold it shared, whoever changes values or the list holds it alone, then calls notify() without it.
 /// Loading writes only points that nobody was told of yet, and needs no lock.
-class PointCloud {
+class PointCloud
+{
 public:
     /// An empty frame for `size` points; columns and attributes are added next (las::Reader does it).
     explicit PointCloud(PointIndex size, CoordinateScale coordinates = {});

@@ -9,11 +9,13 @@
 #include <span>
 #include <vector>
 
-namespace punctum {
+namespace punctum
+{
 
 /// A set of points of one cloud: a bit for each index. 64 neighbouring points share a word, so that parallel
 /// writers must own whole words.
-class PointSet {
+class PointSet
+{
 public:
     PointSet() = default;
     explicit PointSet(PointIndex size) : m_size(size), m_words((size + 63) / 64) {}

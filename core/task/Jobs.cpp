@@ -9,9 +9,11 @@
 #include <new>
 #include <thread>
 
-namespace punctum {
+namespace punctum
+{
 
-namespace {
+namespace
+{
 
 struct Job {
     JobId id = 0;

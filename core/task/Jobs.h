@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-namespace punctum {
+namespace punctum
+{
 
 class Progress;
 
@@ -18,11 +19,11 @@ enum class JobState { Running, Finished, Failed, Cancelled };
 /// What can be said of a job at one moment.
 struct JobInfo {
     JobId id = 0;
-    std::string title;                    ///< what the user asked for: "Open autzen.laz"
-    std::string stage;                    ///< what it does now: "Reading points"
+    std::string title;  ///< what the user asked for: "Open autzen.laz"
+    std::string stage;  ///< what it does now: "Reading points"
     JobState state = JobState::Running;
-    double fraction = 0.0;                ///< of the stage, 0 to 1
-    std::string error;                    ///< one sentence when state is Failed
+    double fraction = 0.0;  ///< of the stage, 0 to 1
+    std::string error;      ///< one sentence when state is Failed
 };
 
 /// Runs long work away from the caller's thread, each job in a thread of its own (inner loops use TBB).
@@ -33,7 +34,8 @@ struct JobInfo {
 ///                [](const JobInfo& end) { ... });       // called once, in the job's thread
 ///
 /// The destructor cancels every job and waits for its thread. All members may be called from any thread.
-class Jobs {
+class Jobs
+{
 public:
     using Work = std::function<void(Progress&)>;
     using Ended = std::function<void(const JobInfo&)>;

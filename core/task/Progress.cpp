@@ -3,7 +3,8 @@
 
 #include <algorithm>
 
-namespace punctum {
+namespace punctum
+{
 
 void Progress::begin(const std::string& stage, std::uint64_t total)
 {

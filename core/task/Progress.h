@@ -7,10 +7,12 @@
 #include <mutex>
 #include <string>
 
-namespace punctum {
+namespace punctum
+{
 
 /// Thrown by Progress::check() inside long work whose cancel was asked for. Not an Error: nothing failed.
-class Cancelled : public std::exception {
+class Cancelled : public std::exception
+{
 public:
     const char* what() const noexcept override { return "cancelled"; }
 };
@@ -19,7 +21,8 @@ public:
 ///
 /// Shared between the thread(s) that work and the one that watches; every member may be called from any
 /// thread at any time. Work must call check() (or look at cancelled()) at least every 100 ms.
-class Progress {
+class Progress
+{
 public:
     Progress() = default;
     Progress(const Progress&) = delete;

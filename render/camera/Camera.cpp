@@ -7,23 +7,30 @@
 #include <cmath>
 #include <numbers>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
-namespace {
+namespace
+{
 
 constexpr double kRightAngle = std::numbers::pi / 2;
 
-
 }  // namespace
 
-glm::dvec3 Camera::right() const noexcept { return {std::cos(yaw), std::sin(yaw), 0.0}; }
+glm::dvec3 Camera::right() const noexcept
+{
+    return {std::cos(yaw), std::sin(yaw), 0.0};
+}
 
 glm::dvec3 Camera::forward() const noexcept
 {
     return {-std::sin(yaw) * std::cos(pitch), std::cos(yaw) * std::cos(pitch), std::sin(pitch)};
 }
 
-glm::dvec3 Camera::up() const noexcept { return glm::cross(right(), forward()); }
+glm::dvec3 Camera::up() const noexcept
+{
+    return glm::cross(right(), forward());
+}
 
 double Camera::pivotDepth() const noexcept
 {

@@ -10,7 +10,8 @@
 #include <optional>
 #include <string_view>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 /// Where a picture is taken from: a turntable camera, z up. A value; no thread rules.
 ///
@@ -21,8 +22,8 @@ struct Camera {
     glm::dvec3 eye{0.0};
     double yaw = 0.0;
     double pitch = -0.6;
-    double fovY = 0.785398163397448;   ///< full vertical angle (45 degrees), perspective only
-    glm::dvec3 pivot{0.0};             ///< what orbit() turns about and zooming is measured from
+    double fovY = 0.785398163397448;  ///< full vertical angle (45 degrees), perspective only
+    glm::dvec3 pivot{0.0};            ///< what orbit() turns about and zooming is measured from
     bool orthographic = false;
 
     glm::dvec3 right() const noexcept;

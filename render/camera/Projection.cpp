@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
-namespace {
+namespace
+{
 
 /// Points nearer than this share of the pivot's depth are not drawn: they would hide all else.
 constexpr double kNearShare = 1e-3;
@@ -23,8 +25,7 @@ LayerProjection makeProjection(const Camera& camera, const PointStore& store, co
     const LocalFrame& frame = store.frame();
     const glm::dvec3 unit = grid.scale * double(1 << frame.shift);  // world units of one local unit
     const glm::dvec3 eyeLocal = frame.toLocal(grid.toRaw(camera.eye));
-    const glm::dvec3 reference =
-        glm::round(glm::clamp(eyeLocal, glm::dvec3(0.0), glm::dvec3(double(INT32_MAX))));
+    const glm::dvec3 reference = glm::round(glm::clamp(eyeLocal, glm::dvec3(0.0), glm::dvec3(double(INT32_MAX))));
     const glm::dvec3 toReference = (reference - eyeLocal) * unit;  // world, from the eye
 
     const glm::dvec3 right = camera.right(), up = camera.up(), forward = camera.forward();
@@ -46,9 +47,9 @@ LayerProjection makeProjection(const Camera& camera, const PointStore& store, co
     } else {
         // Depths are lifted so far that everything lies in front, wherever zooming has put the eye.
         const WorldBounds box = grid.toWorld(store.bounds());
-        const double reach = box.empty() ? camera.pivotDepth()
-                                         : glm::length(glm::max(glm::abs(box.min - camera.eye),
-                                                                glm::abs(box.max - camera.eye)));
+        const double reach =
+            box.empty() ? camera.pivotDepth()
+                        : glm::length(glm::max(glm::abs(box.min - camera.eye), glm::abs(box.max - camera.eye)));
         const double scale = focal / camera.pivotDepth();  // px of a world unit
         p.rowX = row(right * scale, centerX);
         p.rowY = row(-up * scale, centerY);

@@ -4,7 +4,8 @@
 #include "render/camera/Camera.h"
 #include "render/raster/Backend.h"
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 /// How a camera maps a store's local integers to the picture. Computed in double; the reference is the point of the
 /// integer grid nearest to the eye, so that float keeps its digits where one looks from, at any distance from the

@@ -8,9 +8,11 @@
 #include <cmath>
 #include <vector>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
-namespace {
+namespace
+{
 
 Rgba8 parseColor(std::string_view hex)
 {

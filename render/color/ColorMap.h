@@ -8,13 +8,14 @@
 #include <string>
 #include <string_view>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 /// 256 colours from the lowest to the highest value.
 using ColorTable = std::array<Rgba8, 256>;
 
 struct ColorMap {
-    std::string name;   ///< "viridis"
+    std::string name;  ///< "viridis"
     ColorTable table;
 };
 
@@ -25,7 +26,7 @@ const ColorMap* findColorMap(std::string_view name);
 
 /// A class of the ASPRS standard (LAS 1.4 R15, table 17).
 struct ClassStyle {
-    std::string name;   ///< "Ground"; "Class 40" for those without a name
+    std::string name;  ///< "Ground"; "Class 40" for those without a name
     Rgba8 color;
 };
 
@@ -45,12 +46,18 @@ constexpr Rgba8 categoryColor(std::uint32_t id) noexcept
     const auto down = std::uint8_t(top - (top - bottom) * ramp / 255u);
     const auto hi = std::uint8_t(top), lo = std::uint8_t(bottom);
     switch (hue >> 8) {
-    case 0: return {hi, up, lo, 255};
-    case 1: return {down, hi, lo, 255};
-    case 2: return {lo, hi, up, 255};
-    case 3: return {lo, down, hi, 255};
-    case 4: return {up, lo, hi, 255};
-    default: return {hi, lo, down, 255};
+        case 0:
+            return {hi, up, lo, 255};
+        case 1:
+            return {down, hi, lo, 255};
+        case 2:
+            return {lo, hi, up, 255};
+        case 3:
+            return {lo, down, hi, 255};
+        case 4:
+            return {up, lo, hi, 255};
+        default:
+            return {hi, lo, down, 255};
     }
 }
 

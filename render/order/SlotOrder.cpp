@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <bit>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
-namespace {
+namespace
+{
 
 /// Finalizer of splitmix64 (Steele, Lea, Flood 2014): spreads a group's number over all bits.
 constexpr std::uint64_t mix(std::uint64_t x) noexcept

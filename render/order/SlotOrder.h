@@ -6,7 +6,8 @@
 #include <cstdint>
 #include <string_view>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 /// Place of a point in drawing order. 32 bits: a view holds up to 2^32 - 2 slots.
 using Slot = std::uint32_t;
@@ -44,7 +45,8 @@ GroupShuffle groupShuffle(std::uint32_t group) noexcept;
 ///
 /// Runs are uniform when they cover whole windows: begin and end drawing at multiples of windowSize().
 /// Immutable; all members may be called from any thread.
-class SlotOrder {
+class SlotOrder
+{
 public:
     SlotOrder() = default;
     SlotOrder(OrderKind kind, PointIndex points);
@@ -71,7 +73,7 @@ private:
     PointIndex m_points = 0;
     Slot m_slots = 0;
     Slot m_window = 1;
-    std::uint32_t m_prime = 0;       ///< Prime: largest prime <= points that is 3 mod 4
+    std::uint32_t m_prime = 0;      ///< Prime: largest prime <= points that is 3 mod 4
     std::uint32_t m_groupBits = 0;  ///< Stratified: log2 of K
 };
 

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
-namespace {
+namespace
+{
 
 /// Weight of the newest observation: follows a change of view within a few runs, smooths single hiccups.
 constexpr double kNewest = 0.4;
@@ -26,6 +28,9 @@ std::uint64_t FrameCostModel::affordable(double seconds) const noexcept
     return std::uint64_t(std::clamp(seconds / m_secondsPerPoint, 1.0, kMost));
 }
 
-double FrameCostModel::cost(std::uint64_t points) const noexcept { return m_secondsPerPoint * double(points); }
+double FrameCostModel::cost(std::uint64_t points) const noexcept
+{
+    return m_secondsPerPoint * double(points);
+}
 
 }  // namespace punctum::render

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 /// Learns what drawing points costs, and says how many fit into the time that is left (Schuetz et al. 2019,
 /// section 3.4.1). Pure arithmetic: no clock, no GL.
-class FrameCostModel {
+class FrameCostModel
+{
 public:
     /// Points a first run draws when nothing is known yet.
     static constexpr std::uint64_t kFirstRun = 100'000;

@@ -11,9 +11,11 @@
 #include <mutex>
 #include <shared_mutex>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
-namespace {
+namespace
+{
 
 /// Points looked at for the range of a scalar attribute, over all clouds.
 constexpr PointIndex kRangeSamples = 20'000;
@@ -333,7 +335,10 @@ bool ProgressiveRenderer::ready() const noexcept
                        [](const auto& e) { return e->complete() && !e->store->stale(); });
 }
 
-bool ProgressiveRenderer::converged() const noexcept { return ready(); }
+bool ProgressiveRenderer::converged() const noexcept
+{
+    return ready();
+}
 
 FrameReport ProgressiveRenderer::renderFrame(double budget)
 {
@@ -342,7 +347,8 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
     for (const auto& entry : m_entries) {
         PointStore& store = *entry->store;
         // While loading the range follows the data, each time half as much again has come.
-        if (entry->loading && store.filled() > entry->filledAtRange + entry->filledAtRange / 2) m_rangeNeeded = true;
+        if (entry->loading && store.filled() > entry->filledAtRange + entry->filledAtRange / 2)
+            m_rangeNeeded = true;
         if (store.encoder() && store.colorsMisjudged()) {
             const std::shared_lock lock(store.cloud().mutex());
             store.show(Attribute(store.encoder()->attribute()));
@@ -365,7 +371,8 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
         m_targetChanged = m_layersChanged = m_viewChanged = false;
         beginPass();
     }
-    const bool streaming = std::any_of(m_entries.begin(), m_entries.end(), [](auto& e) { return e->store->stale(); });
+    const bool streaming =
+        std::any_of(m_entries.begin(), m_entries.end(), [](auto& e) { return e->store->stale(); });
     const double deadline = started + budget - m_resolveSeconds;
     // While an attribute streams, filling and streaming share what is left of the frame.
     report.filled = fill(streaming ? now() + (deadline - now()) / 2 : deadline);

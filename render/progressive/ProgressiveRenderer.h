@@ -11,17 +11,18 @@
 #include <utility>
 #include <vector>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 /// What the user chose to see; belongs to the view, not to a cloud.
 struct DisplaySettings {
-    std::string attribute;            ///< name; a cloud without it keeps what it shows (first: see firstAttribute)
-    std::string colorMap = "viridis"; ///< Scalar attributes
+    std::string attribute;             ///< name; a cloud without it keeps what it shows (first: see firstAttribute)
+    std::string colorMap = "viridis";  ///< Scalar attributes
     std::optional<std::pair<double, double>> range;  ///< Scalar; none: 2nd to 98th percentile over all clouds
-    std::array<Rgba8, 256> palette{}; ///< Class; defaults to asprsClasses()
-    std::array<bool, 256> classVisible{};  ///< defaults to all
-    double pointSize = 1.0;           ///< px
-    int samples = 1;                  ///< 1 or 4 a pixel
+    std::array<Rgba8, 256> palette{};                ///< Class; defaults to asprsClasses()
+    std::array<bool, 256> classVisible{};            ///< defaults to all
+    double pointSize = 1.0;                          ///< px
+    int samples = 1;                                 ///< 1 or 4 a pixel
     Rgba8 backgroundTop{38, 44, 52, 255};
     Rgba8 backgroundBottom{16, 18, 22, 255};
 
@@ -30,15 +31,15 @@ struct DisplaySettings {
 
 /// What one call of renderFrame did.
 struct FrameReport {
-    double seconds = 0;             ///< from call to return
-    PointIndex filled = 0;          ///< slots drawn in the fill pass
-    double share = 0;               ///< of all slots drawn with the present camera, 0 to 1
-    bool converged = false;         ///< image equals the brute-force image and nothing streams
+    double seconds = 0;      ///< from call to return
+    PointIndex filled = 0;   ///< slots drawn in the fill pass
+    double share = 0;        ///< of all slots drawn with the present camera, 0 to 1
+    bool converged = false;  ///< image equals the brute-force image and nothing streams
 };
 
 /// What is under the cursor.
 struct PickResult {
-    std::size_t cloud = 0;          ///< index into the clouds, in the order they were added
+    std::size_t cloud = 0;  ///< index into the clouds, in the order they were added
     PointIndex index = 0;
     glm::dvec3 world{0.0};
 };
@@ -49,7 +50,8 @@ struct PickResult {
 ///
 /// One thread (the render thread) calls everything; loader threads meanwhile fill the stores. Takes each cloud's
 /// mutex() shared while it reads columns. Errors: Error from the backend.
-class ProgressiveRenderer {
+class ProgressiveRenderer
+{
 public:
     explicit ProgressiveRenderer(std::unique_ptr<RasterBackend> backend);
     ~ProgressiveRenderer();
@@ -112,13 +114,13 @@ private:
     Image m_image;
     FrameCostModel m_cost;
     std::vector<PointId> m_visible;
-    double m_resolveSeconds = 0;    ///< what making the picture costs, learnt
-    bool m_targetChanged = true;    ///< size or samples: a new, empty buffer is needed
-    bool m_layersChanged = true;    ///< ids have new meanings: the buffer must be emptied
-    bool m_viewChanged = true;      ///< camera, point size, hidden classes: what is visible must be seen anew
+    double m_resolveSeconds = 0;  ///< what making the picture costs, learnt
+    bool m_targetChanged = true;  ///< size or samples: a new, empty buffer is needed
+    bool m_layersChanged = true;  ///< ids have new meanings: the buffer must be emptied
+    bool m_viewChanged = true;    ///< camera, point size, hidden classes: what is visible must be seen anew
     bool m_resolveNeeded = true;
     bool m_rangeNeeded = true;
-    bool m_redrawWhenFresh = false; ///< classes changed while some are hidden
+    bool m_redrawWhenFresh = false;  ///< classes changed while some are hidden
 };
 
 }  // namespace punctum::render

@@ -5,9 +5,13 @@
 #include "render/raster/cpu/CpuBackend.h"
 #include "render/raster/gl_points/GlPointsBackend.h"
 
-namespace punctum::render {
+namespace punctum::render
+{
 
-std::string_view nameOf(BackendKind kind) { return kind == BackendKind::Cpu ? "cpu" : "gl-points"; }
+std::string_view nameOf(BackendKind kind)
+{
+    return kind == BackendKind::Cpu ? "cpu" : "gl-points";
+}
 
 std::optional<BackendKind> backendFromName(std::string_view name)
 {

@@ -15,7 +15,8 @@
 #include <string>
 #include <vector>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 enum class BackendKind { Cpu, GlPoints };
 
@@ -37,8 +38,8 @@ struct TargetSize {
 
 /// Where in its pixel each sample of 4 lies, in px from the pixel's top left corner: the standard pattern of
 /// Direct3D and of most OpenGL drivers.
-constexpr std::array<std::array<float, 2>, 4> kSamples4{{{0.375f, 0.125f}, {0.875f, 0.375f}, {0.125f, 0.625f},
-                                                         {0.625f, 0.875f}}};
+constexpr std::array<std::array<float, 2>, 4> kSamples4{
+    {{0.375f, 0.125f}, {0.875f, 0.375f}, {0.125f, 0.625f}, {0.625f, 0.875f}}};
 
 /// Maps a store's local integers to the picture, in float, exact near the eye:
 ///     q = float(local - reference)
@@ -75,7 +76,8 @@ struct FrameScene {
 ///
 /// The nearest point wins; at equal depth the smaller id does. All members: one thread (for OpenGL: the thread
 /// whose current context the backend was made in). Members throw Error when the device fails.
-class RasterBackend {
+class RasterBackend
+{
 public:
     virtual ~RasterBackend() = default;
     virtual BackendKind kind() const noexcept = 0;

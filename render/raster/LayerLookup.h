@@ -3,10 +3,12 @@
 
 #include "render/raster/Backend.h"
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 /// Finds the layer of a point id. Remembers the last answer, since neighbouring pixels mostly show the same cloud.
-class LayerLookup {
+class LayerLookup
+{
 public:
     explicit LayerLookup(const FrameScene& scene) : m_scene(&scene) {}
 

@@ -3,7 +3,8 @@
 
 #include "render/raster/Backend.h"
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 /// The background of a row: the gradient's colour, the same for all of the row.
 Rgba8 backgroundOf(int row, int height, const ResolveSettings& settings) noexcept;

@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 /// 8 bits a channel, alpha not premultiplied; the layout of GL_RGBA / QImage::Format_RGBA8888.
 struct Rgba8 {

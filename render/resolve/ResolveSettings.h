@@ -7,22 +7,23 @@
 
 #include <vector>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 /// How one layer's words become colours.
 struct LayerColors {
     WordKind kind = WordKind::Scalar;
-    float low = 0.0f;    ///< Scalar: value - bias that gets the first colour of the map
-    float high = 1.0f;   ///< Scalar: value - bias that gets the last
+    float low = 0.0f;   ///< Scalar: value - bias that gets the first colour of the map
+    float high = 1.0f;  ///< Scalar: value - bias that gets the last
 };
 
 /// All that decides colours; changing it touches no point.
 struct ResolveSettings {
-    std::vector<LayerColors> layers;   ///< one for each layer of the scene
-    ColorTable colorMap{};             ///< Scalar
-    ColorTable palette{};              ///< Class
+    std::vector<LayerColors> layers;  ///< one for each layer of the scene
+    ColorTable colorMap{};            ///< Scalar
+    ColorTable palette{};             ///< Class
     Rgba8 noValue{128, 128, 128, 255};
-    Rgba8 backgroundTop{38, 44, 52, 255};     ///< alpha 0 in both: transparent
+    Rgba8 backgroundTop{38, 44, 52, 255};  ///< alpha 0 in both: transparent
     Rgba8 backgroundBottom{16, 18, 22, 255};
 };
 

@@ -6,21 +6,27 @@
 #include <cmath>
 #include <vector>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
-namespace {
+namespace
+{
 
 constexpr std::size_t kBlock = 1024;
 
 WordKind wordKindOf(const Attribute& a) noexcept
 {
     switch (a.kind) {
-    case AttributeKind::Class: return WordKind::Class;
-    case AttributeKind::Category: return a.integral() ? WordKind::Category : WordKind::Scalar;
-    case AttributeKind::Color:
-    case AttributeKind::Vector: return WordKind::Color;
-    case AttributeKind::Scalar:
-    case AttributeKind::Opaque: break;
+        case AttributeKind::Class:
+            return WordKind::Class;
+        case AttributeKind::Category:
+            return a.integral() ? WordKind::Category : WordKind::Scalar;
+        case AttributeKind::Color:
+        case AttributeKind::Vector:
+            return WordKind::Color;
+        case AttributeKind::Scalar:
+        case AttributeKind::Opaque:
+            break;
     }
     return WordKind::Scalar;
 }

@@ -6,7 +6,8 @@
 #include <cstdint>
 #include <span>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 /// How the 4 bytes of a slot are to be read when colours are made.
 enum class WordKind : std::uint32_t {
@@ -17,7 +18,8 @@ enum class WordKind : std::uint32_t {
 };
 
 /// Turns an attribute's values into the 4 bytes a slot that drawing needs. Immutable; any thread.
-class AttributeEncoder {
+class AttributeEncoder
+{
 public:
     /// `bias`: taken off scalar values before they become float, so that GPS times keep their digits.
     /// `colorShift`: 8 when colours have 16 bits, 0 when they have 8 (display only).

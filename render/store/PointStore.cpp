@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "render/store/PointStore.h"
 
-#include <glm/common.hpp>
-#include <glm/vector_relational.hpp>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
-namespace {
+namespace
+{
 
 /// Points encoded and dealt out together: their positions, words and classes stay in the processor's second
 /// level cache, and with 1024 windows each window gets runs of 16 slots, whole cache lines.
@@ -107,7 +109,10 @@ std::span<const std::uint8_t> PointStore::classes() const noexcept
     return {reinterpret_cast<const std::uint8_t*>(m_classes.data()), slotCount()};
 }
 
-bool PointStore::isFilled(PointIndex index) const noexcept { return positions()[m_order.slotOf(index)].x != 0; }
+bool PointStore::isFilled(PointIndex index) const noexcept
+{
+    return positions()[m_order.slotOf(index)].x != 0;
+}
 
 std::shared_ptr<const AttributeEncoder> PointStore::encoder() const
 {
@@ -156,8 +161,9 @@ void PointStore::fill(PointRange range)
 void PointStore::fillAll()
 {
     (void)encoderFor({0, m_cloud->size()});
-    tbb::parallel_for(tbb::blocked_range<PointIndex>(0, m_cloud->size(), kPutPoints),
-                      [&](const auto& r) { fill({r.begin(), r.end()}); });
+    tbb::parallel_for(tbb::blocked_range<PointIndex>(0, m_cloud->size(), kPutPoints), [&](const auto& r) {
+        fill({r.begin(), r.end()});
+    });
 }
 
 void PointStore::setBounds(const RawBounds& bounds)
@@ -168,8 +174,9 @@ void PointStore::setBounds(const RawBounds& bounds)
     m_outgrown.store(false, std::memory_order_relaxed);
     const auto current = encoder();
     if (!current) return;
-    tbb::parallel_for(tbb::blocked_range<PointIndex>(0, m_cloud->size(), kPutPoints),
-                      [&](const auto& r) { put({r.begin(), r.end()}, *current, true); });
+    tbb::parallel_for(tbb::blocked_range<PointIndex>(0, m_cloud->size(), kPutPoints), [&](const auto& r) {
+        put({r.begin(), r.end()}, *current, true);
+    });
 }
 
 /// Points of one put() before they are dealt out, in file order.
@@ -242,7 +249,8 @@ void PointStore::put(PointRange range, const AttributeEncoder& encoder, bool wit
                 for (std::uint32_t w = 0; w <= mask; ++w) {
                     const Slot slot = w * m_order.windowSize() + g0;
                     for (std::uint32_t g = 0; g < groups; ++g)
-                        store(slot + g, base + (std::size_t(g) << m_order.groupBits()) + shuffles[g].member(w, mask));
+                        store(slot + g,
+                              base + (std::size_t(g) << m_order.groupBits()) + shuffles[g].member(w, mask));
                 }
             } else {
                 for (std::size_t k = base; k < base + std::size_t(wholeLast - wholeFirst); ++k)
@@ -262,7 +270,8 @@ void PointStore::bumpVersions(PointRange range, bool withPositions) noexcept
     };
     if (m_order.kind() == OrderKind::Stratified && range.size() > m_order.memberMask()) {
         // Every window was touched around the same place: bump the blocks of those runs.
-        const auto g0 = Slot(range.first >> m_order.groupBits()), g1 = Slot((range.last - 1) >> m_order.groupBits());
+        const auto g0 = Slot(range.first >> m_order.groupBits()),
+                   g1 = Slot((range.last - 1) >> m_order.groupBits());
         Slot last = ~Slot(0);
         for (std::uint32_t w = 0; w <= m_order.memberMask(); ++w)
             for (Slot b = (w * m_order.windowSize() + g0) >> kBlockBits,
@@ -300,7 +309,8 @@ void PointStore::markStale(const PointSet* points)
     if (a != nullptr && a->columns[0] != m_classification.columns[0]) m_classification = *a;
     if (points != nullptr && points->count() <= kFewPoints) {
         const PointRange extent = points->extent();
-        const std::size_t firstWord = std::size_t(extent.first / 64), lastWord = std::size_t((extent.last + 63) / 64);
+        const std::size_t firstWord = std::size_t(extent.first / 64),
+                          lastWord = std::size_t((extent.last + 63) / 64);
         std::vector<std::uint32_t> indices;
         points->forEachInWords(firstWord, lastWord, [&](PointIndex i) { indices.push_back(std::uint32_t(i)); });
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, indices.size(), 4096), [&](const auto& r) {

@@ -12,7 +12,8 @@
 #include <string>
 #include <vector>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 /// Position of a slot: raw LAS integers minus the frame's origin, so that nothing is rounded at any extent.
 /// x == 0 marks an empty slot.
@@ -50,7 +51,8 @@ std::string firstAttribute(const PointCloud& cloud, PointRange range);
 /// read half-written, which is why the progressive loop draws everything once more after loading has ended.
 /// Everything else belongs to the render thread, which holds the cloud's mutex() shared in show(), refresh(),
 /// refreshNext(), markStale() and setBounds().
-class PointStore {
+class PointStore
+{
 public:
     /// `firstBounds`: a first idea of the raw extent (las::SourceFile::sampledBounds). Throws Error (memory).
     PointStore(std::shared_ptr<const PointCloud> cloud, const RawBounds& firstBounds,
@@ -69,7 +71,8 @@ public:
     bool isFilled(PointIndex index) const noexcept;
     /// Points taken so far.
     PointIndex filled() const noexcept { return m_filled.load(std::memory_order_acquire); }
-    /// True when a point did not fit into the frame (firstBounds was wrong): call setBounds() when loading has ended.
+    /// True when a point did not fit into the frame (firstBounds was wrong): call setBounds() when loading has
+    /// ended.
     bool outgrown() const noexcept { return m_outgrown.load(std::memory_order_relaxed); }
     /// Tells the true bounds once all points have come; takes all slots anew when the frame does not hold them.
     void setBounds(const RawBounds& bounds);
@@ -132,7 +135,7 @@ private:
     std::vector<std::atomic<std::uint32_t>> m_positionVersions, m_wordVersions;
     std::vector<std::uint64_t> m_fresh;  ///< a bit a slot: up to date although m_refreshed has not come to it
     bool m_stale = false;
-    PointIndex m_refreshed = 0;          ///< points before this one are up to date
+    PointIndex m_refreshed = 0;  ///< points before this one are up to date
 };
 
 }  // namespace punctum::render

@@ -16,9 +16,11 @@
 #include <cmath>
 #include <cstring>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
-namespace {
+namespace
+{
 
 constexpr std::uint64_t kEmpty = ~std::uint64_t(0);
 
@@ -39,7 +41,7 @@ void atomicMin(std::uint64_t& cell, std::uint64_t key) noexcept
 struct Splat {
     std::uint64_t* cells;
     int width, height, samples;
-    float half;              ///< of the point size, px
+    float half;  ///< of the point size, px
     const std::uint8_t* classes;
     const bool* classVisible;  ///< null: all are
 };
@@ -64,7 +66,8 @@ void splatPixels(const Splat& s, const ProjectedBlock& block, std::size_t kept, 
 }
 
 /// Splats of any size at 1 or 4 samples: squares, tested at each sample's place.
-void splatSquares(const Splat& s, const ProjectedBlock& block, std::size_t kept, const PointId* ids, PointId firstId)
+void splatSquares(const Splat& s, const ProjectedBlock& block, std::size_t kept, const PointId* ids,
+                  PointId firstId)
 {
     for (std::size_t k = 0; k < kept; ++k) {
         const PointId id = ids[block.index[k]];
@@ -79,10 +82,10 @@ void splatSquares(const Splat& s, const ProjectedBlock& block, std::size_t kept,
             const int y1 = std::min(s.height - 1, int(std::floor(block.y[k] + s.half - oy)));
             for (int y = y0; y <= y1; ++y)
                 for (int x = x0; x <= x1; ++x)
-                    atomicMin(s.cells[(std::size_t(y) * std::size_t(s.width) + std::size_t(x)) *
-                                          std::size_t(s.samples) +
-                                      std::size_t(sample)],
-                              key);
+                    atomicMin(
+                        s.cells[(std::size_t(y) * std::size_t(s.width) + std::size_t(x)) * std::size_t(s.samples) +
+                                std::size_t(sample)],
+                        key);
         }
     }
 }
@@ -111,9 +114,12 @@ Drawing prepare(const FrameScene& scene, std::size_t layer, const TargetSize& si
     d.arguments.lowX = d.arguments.lowY = -margin;
     d.arguments.highX = float(size.width) + margin;
     d.arguments.highY = float(size.height) + margin;
-    d.splat = {cells,           size.width,
-               size.height,     size.samples,
-               p.pointSize / 2, l.store->classes().data(),
+    d.splat = {cells,
+               size.width,
+               size.height,
+               size.samples,
+               p.pointSize / 2,
+               l.store->classes().data(),
                scene.allClassesVisible ? nullptr : scene.classVisible.data()};
     return d;
 }
@@ -132,7 +138,8 @@ CpuBackend::CpuBackend() : m_kernel(chooseKernel()) {}
 
 std::string CpuBackend::description() const
 {
-    return "CPU, " + std::string(m_kernel.name) + ", " + std::to_string(tbb::info::default_concurrency()) + " threads";
+    return "CPU, " + std::string(m_kernel.name) + ", " + std::to_string(tbb::info::default_concurrency()) +
+           " threads";
 }
 
 void CpuBackend::setTarget(const TargetSize& size)
@@ -150,9 +157,8 @@ std::span<const std::uint64_t> CpuBackend::cells() const noexcept
 
 void CpuBackend::clear()
 {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, m_cells.size(), std::size_t(1) << 18), [&](const auto& r) {
-        std::memset(m_cells.data() + r.begin(), 0xFF, r.size());
-    });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, m_cells.size(), std::size_t(1) << 18),
+                      [&](const auto& r) { std::memset(m_cells.data() + r.begin(), 0xFF, r.size()); });
 }
 
 void CpuBackend::visibleIds(std::vector<PointId>& out)
@@ -246,10 +252,9 @@ std::optional<RasterBackend::Hit> CpuBackend::pick(int x, int y, int radius)
             const int distance = (px - x) * (px - x) + (py - y) * (py - y);
             if (distance > radius * radius || distance > bestDistance) continue;
             for (int s = 0; s < m_size.samples; ++s) {
-                const std::uint64_t cell =
-                    cells()[(std::size_t(py) * std::size_t(m_size.width) + std::size_t(px)) *
-                                std::size_t(m_size.samples) +
-                            std::size_t(s)];
+                const std::uint64_t cell = cells()[(std::size_t(py) * std::size_t(m_size.width) + std::size_t(px)) *
+                                                       std::size_t(m_size.samples) +
+                                                   std::size_t(s)];
                 if (cell == kEmpty || (distance == bestDistance && cell >= bestCell)) continue;
                 bestDistance = distance;
                 bestCell = cell;

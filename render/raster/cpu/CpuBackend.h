@@ -5,14 +5,16 @@
 #include "render/raster/Backend.h"
 #include "render/raster/cpu/CpuKernels.h"
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 /// The rasterizer for machines without a usable GPU: SIMD projection, TBB, and for each sample a 64-bit atomic
 /// minimum of (depth, id), as the compute shader of Schuetz, Kerbl, Wimmer 2022 (section 3) does on a GPU.
 ///
 /// The minimum does not depend on the order of drawing, so that the converged image equals the brute-force image
 /// bit for bit.
-class CpuBackend final : public RasterBackend {
+class CpuBackend final : public RasterBackend
+{
 public:
     CpuBackend();
 

@@ -3,7 +3,8 @@
 
 #include <bit>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 std::size_t projectBaseline(const std::int32_t* positions, std::size_t count, const ProjectArguments& a,
                             ProjectedBlock& out)

@@ -4,7 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 /// Points projected together; a multiple of every vector width.
 constexpr std::size_t kProjectBlock = 256;

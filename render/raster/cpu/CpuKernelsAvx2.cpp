@@ -6,9 +6,11 @@
 #if defined(__x86_64__)
 #include <immintrin.h>
 
-namespace punctum::render {
+namespace punctum::render
+{
 
-namespace {
+namespace
+{
 
 /// For each mask of 8 lanes: the lanes that are set, packed to the front.
 struct PackTable {
@@ -59,14 +61,15 @@ std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, const 
     __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count; i += 8, lane = _mm256_add_epi32(lane, eight)) {
-        // Eight x y z triples to three vectors: m0 = x0 y0 z0 x1 | x4 .., m1 = y1 z1 x2 y2 | .., m2 = z2 x3 y3 z3 | ..
+        // Eight x y z triples to three vectors: m0 = x0 y0 z0 x1 | x4 .., m1 = y1 z1 x2 y2 | .., m2 = z2 x3 y3 z3 |
+        // ..
         const std::int32_t* p = positions + 3 * i;
         const __m256i m0 = loadHalves(p, p + 12), m1 = loadHalves(p + 4, p + 16), m2 = loadHalves(p + 8, p + 20);
-        const __m256i xy = pick<_MM_SHUFFLE(2, 1, 3, 2)>(m1, m2);   // x2 y2 x3 y3
-        const __m256i yz = pick<_MM_SHUFFLE(1, 0, 2, 1)>(m0, m1);   // y0 z0 y1 z1
-        const __m256i ix = pick<_MM_SHUFFLE(2, 0, 3, 0)>(m0, xy);   // x0 x1 x2 x3
-        const __m256i iy = pick<_MM_SHUFFLE(3, 1, 2, 0)>(yz, xy);   // y0 y1 y2 y3
-        const __m256i iz = pick<_MM_SHUFFLE(3, 0, 3, 1)>(yz, m2);   // z0 z1 z2 z3
+        const __m256i xy = pick<_MM_SHUFFLE(2, 1, 3, 2)>(m1, m2);  // x2 y2 x3 y3
+        const __m256i yz = pick<_MM_SHUFFLE(1, 0, 2, 1)>(m0, m1);  // y0 z0 y1 z1
+        const __m256i ix = pick<_MM_SHUFFLE(2, 0, 3, 0)>(m0, xy);  // x0 x1 x2 x3
+        const __m256i iy = pick<_MM_SHUFFLE(3, 1, 2, 0)>(yz, xy);  // y0 y1 y2 y3
+        const __m256i iz = pick<_MM_SHUFFLE(3, 0, 3, 1)>(yz, m2);  // z0 z1 z2 z3
         const __m256 x = _mm256_cvtepi32_ps(_mm256_sub_epi32(ix, refX));
         const __m256 y = _mm256_cvtepi32_ps(_mm256_sub_epi32(iy, refY));
         const __m256 z = _mm256_cvtepi32_ps(_mm256_sub_epi32(iz, refZ));
@@ -102,7 +105,8 @@ std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, const 
 
 #else
 
-namespace punctum::render {
+namespace punctum::render
+{
 
 std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, const ProjectArguments& a,
                         ProjectedBlock& out)

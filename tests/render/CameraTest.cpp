@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "render/camera/Camera.h"
+#include "render/camera/Projection.h"
+#include "tests/render/SyntheticCloud.h"
+
+#include <glm/geometric.hpp>
+
+#include <QtTest>
+
+using namespace punctum;
+using namespace punctum::render;
+
+namespace
+{
+
+const glm::dvec2 kSize(1280, 800);
+
+/// The backends' arithmetic in float, as Backend.h defines it.
+glm::dvec3 projectLocal(const LayerProjection& p, const LocalPosition& l)
+{
+    const glm::vec3 q(glm::ivec3(l.x, l.y, l.z) - p.reference);
+    const auto row = [&](const glm::vec4& r) { return r.x * q.x + (r.y * q.y + (r.z * q.z + r.w)); };
+    const float depth = row(p.rowD), w = p.perspective ? depth : 1.0f;
+    return {row(p.rowX) / w, row(p.rowY) / w, depth};
+}
+
+}  // namespace
+
+class CameraTest : public QObject
+{
+    Q_OBJECT
+
+private Q_SLOTS:
+    void standardViews();
+    void orbitKeepsThePivotInPlace();
+    void zoomKeepsTheTargetInPlace();
+    void panFollowsTheMouse();
+    void fitShowsTheWholeBox();
+    void farCoordinatesDrawWithoutJitter_data();
+    void farCoordinatesDrawWithoutJitter();
+};
+
+void CameraTest::standardViews()
+{
+    Camera c;
+    QVERIFY(c.setView("top"));
+    QVERIFY(glm::length(c.forward() - glm::dvec3(0, 0, -1)) < 1e-12);
+    QVERIFY(glm::length(c.up() - glm::dvec3(0, 1, 0)) < 1e-12);
+    QVERIFY(c.setView("front"));
+    QVERIFY(glm::length(c.forward() - glm::dvec3(0, 1, 0)) < 1e-12);
+    QVERIFY(c.setView("left"));
+    QVERIFY(glm::length(c.forward() - glm::dvec3(1, 0, 0)) < 1e-12);
+    QVERIFY(!c.setView("sideways"));
+}
+
+void CameraTest::orbitKeepsThePivotInPlace()
+{
+    Camera c;
+    c.fit({glm::dvec3(0), glm::dvec3(100, 50, 20)}, kSize);
+    c.pivot = {90, 10, 5};
+    const glm::dvec3 before = c.project(c.pivot, kSize);
+    c.orbit(0.7, -0.3);
+    const glm::dvec3 after = c.project(c.pivot, kSize);
+    QVERIFY(glm::length(before - after) < 1e-6);
+    c.orbit(0, 100);
+    QCOMPARE(c.pitch, 3.14159265358979323846 / 2);
+}
+
+void CameraTest::zoomKeepsTheTargetInPlace()
+{
+    Camera c;
+    c.fit({glm::dvec3(0), glm::dvec3(100, 50, 20)}, kSize);
+    const glm::dvec3 target(80, 40, 10);
+    const glm::dvec3 before = c.project(target, kSize);
+    c.zoomTowards(target, 0.25);
+    const glm::dvec3 after = c.project(target, kSize);
+    QVERIFY(std::abs(before.x - after.x) < 1e-6 && std::abs(before.y - after.y) < 1e-6);
+    QVERIFY(std::abs(after.z - before.z * 0.25) < 1e-6);
+}
+
+void CameraTest::panFollowsTheMouse()
+{
+    Camera c;
+    c.fit({glm::dvec3(0), glm::dvec3(100, 50, 20)}, kSize);
+    const glm::dvec3 point = c.pivot;
+    const glm::dvec3 before = c.project(point, kSize);
+    c.pan({30, -12}, kSize.y);
+    const glm::dvec3 after = c.project(point, kSize);
+    QVERIFY(std::abs(after.x - before.x - 30) < 1e-6);
+    QVERIFY(std::abs(after.y - before.y + 12) < 1e-6);
+}
+
+void CameraTest::fitShowsTheWholeBox()
+{
+    const WorldBounds box{glm::dvec3(500000, 4000000, 100), glm::dvec3(501000, 4000300, 180)};
+    for (const bool orthographic : {false, true})
+        for (const char* view : {"top", "front", "left", "iso"}) {
+            Camera c;
+            c.orthographic = orthographic;
+            c.setView(view);
+            c.fit(box, kSize);
+            double widest = 0;
+            for (int k = 0; k < 8; ++k) {
+                const glm::dvec3 corner(k & 1 ? box.max.x : box.min.x, k & 2 ? box.max.y : box.min.y,
+                                        k & 4 ? box.max.z : box.min.z);
+                const glm::dvec3 px = c.project(corner, kSize);
+                QVERIFY(px.x >= 0 && px.x <= kSize.x && px.y >= 0 && px.y <= kSize.y);
+                widest = std::max({widest, std::abs(px.x - 640) / 640, std::abs(px.y - 400) / 400});
+            }
+            QVERIFY2(widest > 0.85, view);
+        }
+}
+
+void CameraTest::farCoordinatesDrawWithoutJitter_data()
+{
+    QTest::addColumn<double>("offset");
+    QTest::addColumn<double>("scale");
+    QTest::newRow("near the origin, millimetres") << 0.0 << 0.001;
+    QTest::newRow("5,000 km away, millimetres") << 5'000'000.0 << 0.001;
+    QTest::newRow("degrees, 1e-9") << 11.5 << 1e-9;
+    QTest::newRow("100 km wide") << 400'000.0 << 0.5;
+}
+
+// What float arithmetic says differs from double by less than a hundredth of a pixel, from afar and when zoomed in
+// until a raw unit is ten pixels wide.
+void CameraTest::farCoordinatesDrawWithoutJitter()
+{
+    QFETCH(double, offset);
+    QFETCH(double, scale);
+    const CoordinateScale grid{glm::dvec3(scale), glm::dvec3(offset, offset, 0)};
+    const auto cloud = test::makeCloud(20'000, grid);
+    PointStore store(cloud, cloud->computeBounds());
+    store.fillAll();
+    const TargetSize size{1280, 800, 1};
+    for (const bool orthographic : {false, true})
+        for (const bool close : {false, true}) {
+            Camera camera;
+            camera.orthographic = orthographic;
+            camera.fit(grid.toWorld(cloud->computeBounds()), kSize);
+            if (close) {
+                const glm::dvec3 target = cloud->world(7777);
+                camera.pivot = target;
+                camera.eye = target - camera.forward() * (scale * 100);
+            }
+            const LayerProjection p = makeProjection(camera, store, size, 1.0);
+            int checked = 0;
+            for (PointIndex i = 0; i < cloud->size(); ++i) {
+                const glm::dvec3 exact = camera.project(cloud->world(i), kSize);
+                if (exact.z <= 0 || exact.x < 0 || exact.y < 0 || exact.x > 1280 || exact.y > 800) continue;
+                const glm::dvec3 drawn = projectLocal(p, store.positions()[store.order().slotOf(i)]);
+                QVERIFY(std::abs(drawn.x - exact.x) < 0.01 && std::abs(drawn.y - exact.y) < 0.01);
+                ++checked;
+            }
+            QVERIFY(checked > 0);
+        }
+}
+
+QTEST_APPLESS_MAIN(CameraTest)
+#include "CameraTest.moc"

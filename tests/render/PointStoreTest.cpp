@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+#include "render/store/PointStore.h"
+#include "tests/render/SyntheticCloud.h"
+
+#include <QtTest>
+
+#include <bit>
+#include <thread>
+
+using namespace punctum;
+using namespace punctum::render;
+
+class PointStoreTest : public QObject
+{
+    Q_OBJECT
+
+private Q_SLOTS:
+    void filledInAnyOrder_data();
+    void filledInAnyOrder();
+    void framesHoldWildExtents();
+    void wrongFirstBoundsAreMended();
+    void firstAttributeIsWhatVaries();
+    void eightBitColorsAreShownAsSuch();
+    void gpsTimeKeepsItsDigits();
+    void editsReachVisibleSlotsFirst();
+};
+
+void PointStoreTest::filledInAnyOrder_data()
+{
+    QTest::addColumn<int>("kind");
+    QTest::addColumn<int>("batch");
+    for (const int batch : {1, 777, 16384, 50000})
+        for (const OrderKind kind : {OrderKind::Prime, OrderKind::Stratified})
+            QTest::addRow("%d %d", int(kind), batch) << int(kind) << batch;
+}
+
+void PointStoreTest::filledInAnyOrder()
+{
+    QFETCH(int, kind);
+    QFETCH(int, batch);
+    const auto cloud = test::makeCloud(100'003);
+    PointStore store(cloud, cloud->computeBounds(), OrderKind(kind));
+    const auto step = PointIndex(batch);
+    // Odd batches first, then even ones, as two threads.
+    const auto fillEvery = [&](PointIndex parity) {
+        for (PointIndex b = parity; b * step < cloud->size(); b += 2)
+            store.fill({b * step, std::min(cloud->size(), (b + 1) * step)});
+    };
+    std::thread other([&] { fillEvery(1); });
+    fillEvery(0);
+    other.join();
+    QCOMPARE(store.filled(), cloud->size());
+    QVERIFY(!store.outgrown());
+    if (batch > 1) QCOMPARE(store.encoder()->attribute().name, std::string("RGB"));
+    const auto& frame = store.frame();
+    for (PointIndex i = 0; i < cloud->size(); ++i) {
+        const Slot s = store.order().slotOf(i);
+        const LocalPosition p = store.positions()[s];
+        QCOMPARE(p.x + frame.origin.x, std::int64_t(cloud->rawX()[i]));
+        QCOMPARE(p.y + frame.origin.y, std::int64_t(cloud->rawY()[i]));
+        QCOMPARE(p.z + frame.origin.z, std::int64_t(cloud->rawZ()[i]));
+        QCOMPARE(unsigned(store.classes()[s]), unsigned(cloud->findAttribute("Classification")->number(i)));
+        const auto index = std::uint32_t(i);
+        std::uint32_t word = 0;
+        store.encoder()->encode({&index, 1}, &word);
+        QCOMPARE(store.words()[s], word);
+    }
+}
+
+void PointStoreTest::framesHoldWildExtents()
+{
+    RawBounds all;
+    all.include(INT32_MIN, INT32_MIN, INT32_MIN);
+    all.include(INT32_MAX, INT32_MAX, INT32_MAX);
+    QVERIFY(LocalFrame::around(all).holds(all));
+    RawBounds one;
+    one.include(INT32_MAX, 0, INT32_MIN);
+    const LocalFrame frame = LocalFrame::around(one);
+    QVERIFY(frame.holds(one));
+    QCOMPARE(frame.shift, 0);
+    QVERIFY(!frame.holds(all));
+}
+
+void PointStoreTest::wrongFirstBoundsAreMended()
+{
+    const auto cloud = test::makeCloud(5000);
+    const auto x = cloud->columns()[0]->values<std::int32_t>();
+    x[17] = INT32_MAX;
+    x[18] = INT32_MIN;
+    RawBounds wrong;
+    wrong.include(0, 0, 0);
+    PointStore store(cloud, wrong);
+    store.fillAll();
+    QVERIFY(store.outgrown());
+    store.setBounds(cloud->computeBounds());
+    QVERIFY(!store.outgrown());
+    for (PointIndex i = 0; i < cloud->size(); ++i) QVERIFY(store.isFilled(i));
+    QCOMPARE(store.frame().shift, 2);
+}
+
+void PointStoreTest::firstAttributeIsWhatVaries()
+{
+    const auto cloud = test::makeCloud(1000);
+    const PointRange all{0, 1000};
+    QCOMPARE(firstAttribute(*cloud, all), std::string("RGB"));
+    for (const char* name : {"Red", "Green", "Blue"})
+        for (auto& v : cloud->findAttribute(name)->columns[0]->values<std::uint16_t>()) v = 0;
+    QCOMPARE(firstAttribute(*cloud, all), std::string("Intensity"));
+    for (auto& v : cloud->findAttribute("Intensity")->columns[0]->values<std::uint16_t>()) v = 5;
+    QCOMPARE(firstAttribute(*cloud, all), std::string("Classification"));
+    for (auto& v : cloud->findAttribute("Classification")->columns[0]->values<std::uint8_t>()) v = 1;
+    QCOMPARE(firstAttribute(*cloud, all), std::string("Z"));
+}
+
+void PointStoreTest::eightBitColorsAreShownAsSuch()
+{
+    const auto dark = test::makeCloud(40'000, {}, 255);
+    PointStore eight(dark, dark->computeBounds());
+    eight.fillAll();
+    QCOMPARE(eight.encoder()->colorShift(), 0);
+    QVERIFY(!eight.colorsMisjudged());
+
+    // One 16-bit colour late in the file: found out, and mended by showing the attribute again.
+    dark->findAttribute("Green")->columns[0]->values<std::uint16_t>()[39'999] = 40'000;
+    PointStore mixed(dark, dark->computeBounds());
+    mixed.fill({0, 10'000});
+    QCOMPARE(mixed.encoder()->colorShift(), 0);
+    mixed.fill({10'000, 40'000});
+    QVERIFY(mixed.colorsMisjudged());
+    mixed.show(*dark->findAttribute("RGB"));
+    QCOMPARE(mixed.encoder()->colorShift(), 8);
+    while (mixed.stale()) mixed.refreshNext(1000);
+    QVERIFY(!mixed.colorsMisjudged());
+    QCOMPARE((mixed.words()[mixed.order().slotOf(39'999)] >> 8) & 255u, 40'000u >> 8);
+}
+
+void PointStoreTest::gpsTimeKeepsItsDigits()
+{
+    const auto cloud = test::makeCloud(100'000);
+    PointStore store(cloud, cloud->computeBounds());
+    store.fillAll();
+    store.show(*cloud->findAttribute("GpsTime"));
+    while (store.stale()) store.refreshNext(1);
+    const auto* time = cloud->findAttribute("GpsTime");
+    for (PointIndex i = 0; i < cloud->size(); i += 97) {
+        const double shown =
+            double(std::bit_cast<float>(store.words()[store.order().slotOf(i)])) + store.encoder()->bias();
+        QVERIFY(std::abs(shown - time->number(i)) < 1e-6);
+    }
+}
+
+void PointStoreTest::editsReachVisibleSlotsFirst()
+{
+    const auto cloud = test::makeCloud(500'000);
+    PointStore store(cloud, cloud->computeBounds());
+    store.fillAll();
+    const Attribute classes = *cloud->findAttribute("Classification");
+    store.show(classes);
+    QVERIFY(store.stale());
+    const std::vector<Slot> visible{5, 77'777, 400'000};
+    QCOMPARE(store.refresh(visible), std::size_t(3));
+    QCOMPARE(store.refresh(visible), std::size_t(0));
+    for (const Slot s : visible) {
+        const PointIndex i = store.order().indexOf(s);
+        QCOMPARE(store.words()[s], std::uint32_t(classes.number(i)));
+    }
+    while (store.stale()) store.refreshNext(100'000);
+    // A few changed points are there at once.
+    PointSet changed(cloud->size());
+    for (const PointIndex i : {PointIndex(3), PointIndex(123'456), PointIndex(499'999)}) {
+        classes.columns[0]->values<std::uint8_t>()[i] = 9;
+        changed.insert(i);
+    }
+    store.markStale(&changed);
+    QVERIFY(!store.stale());
+    for (const PointIndex i : {PointIndex(3), PointIndex(123'456), PointIndex(499'999)}) {
+        QCOMPARE(store.words()[store.order().slotOf(i)], 9u);
+        QCOMPARE(unsigned(store.classes()[store.order().slotOf(i)]), 9u);
+    }
+}
+
+QTEST_APPLESS_MAIN(PointStoreTest)
+#include "PointStoreTest.moc"

@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: MIT
+#include "render/progressive/ProgressiveRenderer.h"
+#include "render/raster/cpu/CpuBackend.h"
+#include "tests/render/SyntheticCloud.h"
+
+#include <QtTest>
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+using namespace punctum;
+using namespace punctum::render;
+
+namespace
+{
+
+constexpr double kTinyBudget = 0.0005;  ///< seconds: many frames until convergence
+
+std::shared_ptr<PointStore> filledStore(const std::shared_ptr<PointCloud>& cloud,
+                                        OrderKind order = OrderKind::Stratified)
+{
+    auto store = std::make_shared<PointStore>(cloud, cloud->computeBounds(), order);
+    store->fillAll();
+    return store;
+}
+
+Camera cameraFor(const PointCloud& cloud, int width, int height)
+{
+    Camera camera;
+    camera.yaw = 0.4;
+    camera.fit(cloud.coordinates().toWorld(cloud.computeBounds()), {width, height});
+    return camera;
+}
+
+struct View {
+    ProgressiveRenderer renderer{makeBackend(BackendKind::Cpu)};
+
+    View(const std::vector<std::shared_ptr<PointStore>>& stores, const Camera& camera,
+         const DisplaySettings& display)
+    {
+        for (const auto& store : stores) {
+            renderer.addCloud(store);
+            renderer.loadingEnded(store->cloud(), store->cloud().computeBounds());
+        }
+        renderer.setSize(320, 200);
+        renderer.setCamera(camera);
+        renderer.setDisplay(display);
+    }
+    int converge(double budget = kTinyBudget)
+    {
+        int frames = 1;
+        while (!renderer.renderFrame(budget).converged && frames < 100'000) ++frames;
+        return frames;
+    }
+    Image bruteForce()
+    {
+        renderer.renderBruteForce();
+        return renderer.image();
+    }
+};
+
+int differing(const Image& a, const Image& b)
+{
+    if (a.width != b.width || a.height != b.height) return INT_MAX;
+    int n = 0;
+    for (std::size_t k = 0; k < a.pixels.size(); ++k) n += !(a.pixels[k] == b.pixels[k]);
+    return n;
+}
+
+}  // namespace
+
+class ProgressiveTest : public QObject
+{
+    Q_OBJECT
+
+private Q_SLOTS:
+    void agreesWithANaiveRasterizer_data();
+    void agreesWithANaiveRasterizer();
+    void convergedEqualsBruteForce_data();
+    void convergedEqualsBruteForce();
+    void movingKeepsThePicture();
+    void idleAfterConvergence();
+    void convergesWhileLoading();
+    void attributeSwitchShowsAtOnce();
+    void editsShowInTheNextFrame();
+    void hiddenClassesVanishAndComeBack();
+    void rangeIsSecondToNinetyEighthPercentile();
+    void severalCloudsInOneView();
+    void picksWhatIsOnScreen();
+    void emptyCloudsAreNoTrouble();
+};
+
+void ProgressiveTest::agreesWithANaiveRasterizer_data()
+{
+    QTest::addColumn<int>("samples");
+    QTest::addColumn<double>("size");
+    QTest::addColumn<bool>("orthographic");
+    for (const int samples : {1, 4})
+        for (const double size : {1.0, 2.5})
+            for (const bool orthographic : {false, true})
+                QTest::addRow("%d samples, %g px%s", samples, size, orthographic ? ", orthographic" : "")
+                    << samples << size << orthographic;
+}
+
+// Against a loop over all points in double precision that shares no code with the backend. Up to 0.2 % of the
+// samples may differ: points within float rounding of a sample's edge, and depths equal to float.
+void ProgressiveTest::agreesWithANaiveRasterizer()
+{
+    QFETCH(int, samples);
+    QFETCH(double, size);
+    QFETCH(bool, orthographic);
+    const auto cloud = test::makeCloud(60'000);
+    const auto store = filledStore(cloud);
+    constexpr int w = 320, h = 200;
+    Camera camera = cameraFor(*cloud, w, h);
+    camera.orthographic = orthographic;
+    DisplaySettings display;
+    display.samples = samples;
+    display.pointSize = size;
+    View view({store}, camera, display);
+    view.renderer.renderBruteForce();
+    const auto cells = dynamic_cast<CpuBackend&>(view.renderer.backend()).cells();
+
+    std::vector<double> depth(std::size_t(w * h * samples), 1e300);
+    std::vector<PointId> id(depth.size(), kNoPoint);
+    for (PointIndex i = 0; i < cloud->size(); ++i) {
+        const glm::dvec3 p = camera.project(cloud->world(i), {w, h});
+        if (p.z <= 0) continue;
+        for (int y = int(p.y - size) - 1; y <= int(p.y + size) + 1; ++y)
+            for (int x = int(p.x - size) - 1; x <= int(p.x + size) + 1; ++x) {
+                if (x < 0 || y < 0 || x >= w || y >= h) continue;
+                for (int s = 0; s < samples; ++s) {
+                    const double sx = x + (samples == 1 ? 0.5 : double(kSamples4[std::size_t(s)][0]));
+                    const double sy = y + (samples == 1 ? 0.5 : double(kSamples4[std::size_t(s)][1]));
+                    if (std::abs(sx - p.x) > size / 2 || std::abs(sy - p.y) > size / 2) continue;
+                    const auto at = std::size_t((y * w + x) * samples + s);
+                    if (p.z < depth[at]) {
+                        depth[at] = p.z;
+                        id[at] = store->order().slotOf(i);
+                    }
+                }
+            }
+    }
+    std::size_t different = 0, covered = 0;
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+        different += PointId(cells[k]) != id[k];
+        covered += id[k] != kNoPoint;
+    }
+    QVERIFY(covered > cells.size() / 10);
+    QVERIFY2(different <= covered / 500,
+             qPrintable(QString("%1 of %2 samples differ").arg(different).arg(covered)));
+}
+
+void ProgressiveTest::convergedEqualsBruteForce_data()
+{
+    QTest::addColumn<int>("samples");
+    QTest::addColumn<double>("size");
+    QTest::addColumn<bool>("orthographic");
+    QTest::addColumn<int>("order");
+    for (const int samples : {1, 4})
+        for (const double size : {1.0, 3.0})
+            for (const bool orthographic : {false, true})
+                for (const OrderKind order : {OrderKind::Prime, OrderKind::Stratified})
+                    QTest::addRow("%d samples, %g px%s, %s", samples, size, orthographic ? ", orthographic" : "",
+                                  order == OrderKind::Prime ? "prime" : "stratified")
+                        << samples << size << orthographic << int(order);
+}
+
+void ProgressiveTest::convergedEqualsBruteForce()
+{
+    QFETCH(int, samples);
+    QFETCH(double, size);
+    QFETCH(bool, orthographic);
+    QFETCH(int, order);
+    const auto cloud = test::makeCloud(400'000);
+    const auto store = filledStore(cloud, OrderKind(order));
+    Camera camera = cameraFor(*cloud, 320, 200);
+    camera.orthographic = orthographic;
+    DisplaySettings display;
+    display.samples = samples;
+    display.pointSize = size;
+    View view({store}, camera, display);
+    // Frames in motion first, so that the converged image has reprojected points in it.
+    for (int k = 0; k < 10; ++k) {
+        camera.orbit(0.03, 0.01);
+        view.renderer.setCamera(camera);
+        view.renderer.renderFrame(kTinyBudget);
+    }
+    QVERIFY(view.converge() > 1);
+    const Image converged = view.renderer.image();
+    View reference({store}, camera, display);
+    QCOMPARE(differing(converged, reference.bruteForce()), 0);
+    QVERIFY(view.renderer.coveredShare() > 0.1);
+}
+
+// Nearly all of a turned picture is there in the first frame after the turn, although only a few points were drawn.
+void ProgressiveTest::movingKeepsThePicture()
+{
+    const auto cloud = test::makeCloud(2'000'000);
+    const auto store = filledStore(cloud);
+    Camera camera = cameraFor(*cloud, 320, 200);
+    View view({store}, camera, {});
+    view.converge(0.02);
+    const double converged = view.renderer.coveredShare();
+    camera.orbit(0.02, 0.0);
+    view.renderer.setCamera(camera);
+    const FrameReport frame = view.renderer.renderFrame(0.0);
+    QVERIFY(frame.filled < cloud->size() / 10);
+    QVERIFY(!frame.converged);
+    QVERIFY2(view.renderer.coveredShare() > 0.9 * converged,
+             qPrintable(QString::number(view.renderer.coveredShare() / converged)));
+}
+
+void ProgressiveTest::idleAfterConvergence()
+{
+    const auto cloud = test::makeCloud(50'000);
+    View view({filledStore(cloud)}, cameraFor(*cloud, 320, 200), {});
+    view.converge();
+    QVERIFY(view.renderer.converged());
+    const FrameReport report = view.renderer.renderFrame(0.01);
+    QCOMPARE(report.filled, PointIndex(0));
+    QCOMPARE(report.seconds, 0.0);
+    view.renderer.setCamera(view.renderer.camera());
+    QVERIFY(view.renderer.converged());
+}
+
+void ProgressiveTest::convergesWhileLoading()
+{
+    const auto cloud = test::makeCloud(600'000);
+    const RawBounds bounds = cloud->computeBounds();
+    const auto store = std::make_shared<PointStore>(cloud, bounds);
+    ProgressiveRenderer renderer(makeBackend(BackendKind::Cpu));
+    renderer.setSize(320, 200);
+    const Camera camera = cameraFor(*cloud, 320, 200);
+    renderer.setCamera(camera);
+    renderer.addCloud(store);
+    QVERIFY(renderer.renderFrame(0.001).converged);  // nothing yet, and no endless loop
+    std::atomic<bool> done = false;
+    std::thread loader([&] {
+        constexpr PointIndex kBatch = 10'000;
+        for (PointIndex k = 0; k < 60; ++k) {
+            const PointIndex first = k * 7 % 60 * kBatch;
+            store->fill({first, first + kBatch});
+            std::this_thread::sleep_for(std::chrono::microseconds(500));
+        }
+        done = true;
+    });
+    double covered = 0;
+    bool switched = false;
+    while (!done) {
+        renderer.renderFrame(0.001);
+        if (store->filled() > 200'000 && !switched) {
+            DisplaySettings display;
+            display.attribute = "Intensity";
+            renderer.setDisplay(display);
+            switched = true;
+        }
+        if (!done) covered = std::max(covered, renderer.coveredShare());
+    }
+    loader.join();
+    QVERIFY(covered > 0.1);
+    renderer.loadingEnded(*cloud, bounds);
+    int frames = 0;
+    while (!renderer.renderFrame(0.002).converged) QVERIFY(++frames < 10'000);
+    DisplaySettings display;
+    display.attribute = "Intensity";
+    View reference({filledStore(cloud)}, camera, display);
+    reference.converge();
+    QCOMPARE(differing(renderer.image(), reference.bruteForce()), 0);
+}
+
+void ProgressiveTest::attributeSwitchShowsAtOnce()
+{
+    const auto cloud = test::makeCloud(1'000'000);
+    const auto store = filledStore(cloud);
+    const Camera camera = cameraFor(*cloud, 320, 200);
+    View view({store}, camera, {});
+    view.converge(0.02);
+    DisplaySettings display;
+    for (const char* name : {"Classification", "GpsTime", "RGB", "Intensity"}) {
+        display.attribute = name;
+        view.renderer.setDisplay(display);
+        view.renderer.renderFrame(0.0);  // one frame, with time for next to nothing
+        const Image first = view.renderer.image();
+        QCOMPARE(view.renderer.shownAttribute(), std::string(name));
+        View reference({filledStore(cloud)}, camera, display);
+        reference.converge(0.1);
+        QCOMPARE(differing(first, reference.bruteForce()), 0);
+    }
+    view.converge();
+    QVERIFY(!store->stale());
+}
+
+void ProgressiveTest::editsShowInTheNextFrame()
+{
+    const auto cloud = test::makeCloud(1'000'000);
+    const auto store = filledStore(cloud);
+    DisplaySettings display;
+    display.attribute = "Classification";
+    const Camera camera = cameraFor(*cloud, 320, 200);
+    View view({store}, camera, display);
+    view.converge(0.02);
+    const Image before = view.renderer.image();
+    const auto classes = cloud->findAttribute("Classification")->columns[0]->values<std::uint8_t>();
+    const auto setAll = [&](std::uint8_t from, std::uint8_t to) {
+        auto points = std::make_shared<PointSet>(cloud->size());
+        for (PointIndex i = 0; i < cloud->size(); ++i)
+            if (classes[i] == from) {
+                classes[i] = to;
+                points->insert(i);
+            }
+        view.renderer.valuesChanged(*cloud, {ChangeNotice::Kind::Values, {"Classification"}, points});
+        view.renderer.renderFrame(0.0);
+    };
+    setAll(2, 11);
+    View reference({filledStore(cloud)}, camera, display);
+    QCOMPARE(differing(view.renderer.image(), reference.bruteForce()), 0);
+    QVERIFY(differing(view.renderer.image(), before) > 1000);
+    setAll(11, 2);
+    QCOMPARE(differing(view.renderer.image(), before), 0);
+}
+
+void ProgressiveTest::hiddenClassesVanishAndComeBack()
+{
+    const auto cloud = test::makeCloud(300'000);
+    const auto store = filledStore(cloud);
+    DisplaySettings display;
+    display.attribute = "Classification";
+    View view({store}, cameraFor(*cloud, 320, 200), display);
+    view.converge();
+    const Image all = view.renderer.image();
+    display.classVisible[6] = false;
+    view.renderer.setDisplay(display);
+    view.converge();
+    const Rgba8 building = display.palette[6];
+    const auto shows = [&](const Image& image) {
+        return std::count(image.pixels.begin(), image.pixels.end(), building) > 0;
+    };
+    QVERIFY(shows(all));
+    QVERIFY(!shows(view.renderer.image()));
+    // A point that becomes a hidden class vanishes too.
+    auto everything = std::make_shared<PointSet>(cloud->size());
+    const auto classes = cloud->findAttribute("Classification")->columns[0]->values<std::uint8_t>();
+    const std::vector<std::uint8_t> kept(classes.begin(), classes.end());
+    for (PointIndex i = 0; i < cloud->size(); ++i) everything->insert(i);
+    std::fill(classes.begin(), classes.end(), std::uint8_t(6));
+    view.renderer.valuesChanged(*cloud, {ChangeNotice::Kind::Values, {"Classification"}, everything});
+    view.converge();
+    QCOMPARE(view.renderer.coveredShare(), 0.0);
+    std::copy(kept.begin(), kept.end(), classes.begin());
+    view.renderer.valuesChanged(*cloud, {ChangeNotice::Kind::Values, {"Classification"}, everything});
+    display.classVisible.fill(true);
+    view.renderer.setDisplay(display);
+    view.converge();
+    QCOMPARE(differing(view.renderer.image(), all), 0);
+}
+
+void ProgressiveTest::rangeIsSecondToNinetyEighthPercentile()
+{
+    const auto cloud = test::makeCloud(200'000);
+    cloud->findAttribute("Intensity")->columns[0]->values<std::uint16_t>()[0] = 65535;
+    DisplaySettings display;
+    display.attribute = "Intensity";  // 0..2999, evenly
+    View view({filledStore(cloud)}, cameraFor(*cloud, 320, 200), display);
+    view.converge();
+    QVERIFY(std::abs(view.renderer.range().first - 60) < 15);
+    QVERIFY(std::abs(view.renderer.range().second - 2940) < 15);
+    display.range = {{100.0, 200.0}};
+    view.renderer.setDisplay(display);
+    view.converge();
+    QCOMPARE(view.renderer.range(), std::pair(100.0, 200.0));
+}
+
+void ProgressiveTest::severalCloudsInOneView()
+{
+    const auto a = test::makeCloud(100'000);
+    const auto b = test::makeCloud(150'000, {glm::dvec3(0.0005), glm::dvec3(150, 30, 4)});
+    const auto storeA = filledStore(a), storeB = filledStore(b);
+    Camera camera;
+    WorldBounds bounds = a->coordinates().toWorld(a->computeBounds());
+    bounds.include(b->coordinates().toWorld(b->computeBounds()));
+    camera.fit(bounds, {320, 200});
+    DisplaySettings display;
+    display.attribute = "Z";
+    View view({storeA, storeB}, camera, display);
+    view.converge();
+    const Image converged = view.renderer.image();
+    View reference({storeA, storeB}, camera, display);
+    QCOMPARE(differing(converged, reference.bruteForce()), 0);
+    view.renderer.removeCloud(*a);
+    view.converge();
+    View alone({storeB}, camera, display);
+    QCOMPARE(differing(view.renderer.image(), alone.bruteForce()), 0);
+}
+
+void ProgressiveTest::picksWhatIsOnScreen()
+{
+    const auto cloud = test::makeCloud(100'000);
+    const auto store = filledStore(cloud);
+    const Camera camera = cameraFor(*cloud, 320, 200);
+    View view({store}, camera, {});
+    view.converge();
+    int hits = 0;
+    for (int y = 5; y < 200; y += 13)
+        for (int x = 5; x < 320; x += 17)
+            if (const auto hit = view.renderer.pick(x, y, 3)) {
+                const glm::dvec3 px = camera.project(hit->world, {320, 200});
+                QVERIFY(std::abs(px.x - x - 0.5) <= 4 && std::abs(px.y - y - 0.5) <= 4);
+                QCOMPARE(hit->world, cloud->world(hit->index));
+                ++hits;
+            }
+    QVERIFY(hits > 50);
+    QVERIFY(!view.renderer.pick(-100, -100));
+}
+
+void ProgressiveTest::emptyCloudsAreNoTrouble()
+{
+    const auto cloud = test::makeCloud(0);
+    const auto store = std::make_shared<PointStore>(cloud, RawBounds{});
+    View view({store}, {}, {});
+    QVERIFY(view.converge() < 5);
+    QVERIFY(!view.renderer.pick(10, 10));
+    const auto one = test::makeCloud(1);
+    View single({filledStore(one)}, cameraFor(*one, 320, 200), {});
+    QVERIFY(single.converge() < 5);
+    QVERIFY(single.renderer.coveredShare() > 0);
+}
+
+QTEST_APPLESS_MAIN(ProgressiveTest)
+#include "ProgressiveTest.moc"

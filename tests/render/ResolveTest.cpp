@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#include "render/progressive/FrameCostModel.h"
+#include "render/resolve/CpuResolve.h"
+#include "tests/render/SyntheticCloud.h"
+
+#include <QtTest>
+
+#include <bit>
+#include <limits>
+#include <set>
+
+using namespace punctum;
+using namespace punctum::render;
+
+class ResolveTest : public QObject
+{
+    Q_OBJECT
+
+private Q_SLOTS:
+    void colorMapsAreComplete();
+    void classesHaveNamesAndColors();
+    void categoriesDiffer();
+    void scalarsClampToTheRange();
+    void samplesAverageByAlpha();
+    void backgroundIsAGradient();
+    void costModelLearns();
+};
+
+void ResolveTest::colorMapsAreComplete()
+{
+    for (const char* name : {"viridis", "turbo", "cividis", "grey"}) {
+        const ColorMap* map = findColorMap(name);
+        QVERIFY2(map != nullptr, name);
+        std::set<std::uint32_t> colors;
+        for (const Rgba8& c : map->table) {
+            QCOMPARE(unsigned(c.a), 255u);
+            colors.insert(std::bit_cast<std::uint32_t>(c));
+        }
+        QVERIFY2(colors.size() > 200, name);
+    }
+    QCOMPARE(findColorMap("viridis")->table[0], (Rgba8{0x44, 0x01, 0x54, 255}));
+    QCOMPARE(findColorMap("viridis")->table[255], (Rgba8{0xfd, 0xe7, 0x25, 255}));
+    QCOMPARE(unsigned(findColorMap("grey")->table[77].g), 77u);
+    QVERIFY(findColorMap("no such map") == nullptr);
+}
+
+void ResolveTest::classesHaveNamesAndColors()
+{
+    const auto& classes = asprsClasses();
+    QCOMPARE(classes[2].name, std::string("Ground"));
+    QCOMPARE(classes[7].name, std::string("Low point (noise)"));
+    QCOMPARE(classes[22].name, std::string("Temporal exclusion"));
+    QCOMPARE(classes[64].name, std::string("Class 64"));
+    QVERIFY(classes[6].color.r > classes[6].color.b);
+}
+
+void ResolveTest::categoriesDiffer()
+{
+    for (std::uint32_t id = 0; id < 1000; ++id) {
+        const Rgba8 a = categoryColor(id), b = categoryColor(id + 1);
+        const int distance = std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b);
+        QVERIFY2(distance > 60, qPrintable(QString::number(id)));
+    }
+}
+
+void ResolveTest::scalarsClampToTheRange()
+{
+    ResolveSettings settings;
+    settings.colorMap = findColorMap("grey")->table;
+    const LayerColors layer{WordKind::Scalar, 10.0f, 20.0f};
+    const auto grey = [&](float v) {
+        return unsigned(colorOf(std::bit_cast<std::uint32_t>(v), layer, settings).r);
+    };
+    QCOMPARE(grey(-5), 0u);
+    QCOMPARE(grey(10), 0u);
+    QCOMPARE(grey(15), 128u);
+    QCOMPARE(grey(20), 255u);
+    QCOMPARE(grey(1e30f), 255u);
+    QCOMPARE(grey(std::numeric_limits<float>::quiet_NaN()), unsigned(settings.noValue.r));
+    const LayerColors flat{WordKind::Scalar, 5.0f, 5.0f};
+    QCOMPARE(unsigned(colorOf(std::bit_cast<std::uint32_t>(5.0f), flat, settings).r), 128u);
+}
+
+void ResolveTest::samplesAverageByAlpha()
+{
+    const auto cloud = test::makeCloud(1);
+    PointStore store(cloud, cloud->computeBounds());
+    store.fillAll();
+    store.show(*cloud->findAttribute("Classification"));
+    while (store.stale()) store.refreshNext(1);
+    FrameScene scene;
+    scene.layers.push_back({&store, 0, {}});
+    ResolveSettings settings;
+    settings.layers = {{WordKind::Class, 0, 1}};
+    settings.palette.fill({200, 100, 0, 255});
+    settings.backgroundTop = settings.backgroundBottom = {0, 0, 100, 255};
+    const std::vector<std::uint64_t> cells{~0ull, 0, ~0ull, ~0ull};  // one sample of four sees the point
+    Image image;
+    resolveCells(cells, {1, 1, 4}, scene, settings, image);
+    QCOMPARE(image.at(0, 0), (Rgba8{50, 25, 75, 255}));
+    settings.backgroundTop = settings.backgroundBottom = {0, 0, 0, 0};
+    resolveCells(cells, {1, 1, 4}, scene, settings, image);
+    QCOMPARE(image.at(0, 0), (Rgba8{200, 100, 0, 64}));
+}
+
+void ResolveTest::backgroundIsAGradient()
+{
+    ResolveSettings settings;
+    settings.backgroundTop = {0, 0, 0, 255};
+    settings.backgroundBottom = {200, 100, 50, 255};
+    Image image;
+    resolveCells(std::vector<std::uint64_t>(15, ~0ull), {3, 5, 1}, {}, settings, image);
+    QCOMPARE(image.at(0, 0), (Rgba8{0, 0, 0, 255}));
+    QCOMPARE(image.at(2, 2), (Rgba8{100, 50, 25, 255}));
+    QCOMPARE(image.at(1, 4), (Rgba8{200, 100, 50, 255}));
+}
+
+void ResolveTest::costModelLearns()
+{
+    FrameCostModel model;
+    QVERIFY(!model.known());
+    QCOMPARE(model.affordable(0.01), FrameCostModel::kFirstRun);
+    model.observe(1'000'000, 0.010);
+    QVERIFY(std::abs(double(model.affordable(0.005)) - 500'000) < 2);
+    QVERIFY(std::abs(model.cost(200'000) - 0.002) < 1e-9);
+    for (int k = 0; k < 30; ++k) model.observe(1'000'000, 0.020);
+    QVERIFY(std::abs(double(model.affordable(0.020)) - 1'000'000) < 1000);
+    QCOMPARE(model.affordable(-1), std::uint64_t(1));
+    model.observe(0, 1.0);
+    model.observe(100, 0.0);
+    QVERIFY(std::abs(double(model.affordable(0.020)) - 1'000'000) < 1000);
+}
+
+QTEST_APPLESS_MAIN(ResolveTest)
+#include "ResolveTest.moc"

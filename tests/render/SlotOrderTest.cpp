@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#include "render/order/SlotOrder.h"
+
+#include <QtTest>
+
+#include <cmath>
+#include <vector>
+
+using namespace punctum;
+using namespace punctum::render;
+
+class SlotOrderTest : public QObject
+{
+    Q_OBJECT
+
+private Q_SLOTS:
+    void bijection_data();
+    void bijection();
+    void windowsAreSpread();
+};
+
+void SlotOrderTest::bijection_data()
+{
+    QTest::addColumn<int>("kind");
+    QTest::addColumn<quint64>("points");
+    for (const quint64 n : {0, 1, 2, 3, 7, 8, 63, 64, 65, 1000, 4096, 65537, 300'001})
+        for (const OrderKind kind : {OrderKind::Prime, OrderKind::Stratified})
+            QTest::addRow("%s %llu", kind == OrderKind::Prime ? "prime" : "stratified", n) << int(kind) << n;
+}
+
+void SlotOrderTest::bijection()
+{
+    QFETCH(int, kind);
+    QFETCH(quint64, points);
+    const SlotOrder order(OrderKind(kind), points);
+    QVERIFY(order.slotCount() >= points);
+    QVERIFY(order.slotCount() <= points + 1024);
+    QCOMPARE(order.slotCount() % order.windowSize() == 0 || order.kind() == OrderKind::Prime, true);
+    std::vector<bool> taken(order.slotCount(), false);
+    std::vector<Slot> slotList(points);
+    order.slotsOf({0, points}, slotList.data());
+    for (quint64 i = 0; i < points; ++i) {
+        const Slot slot = order.slotOf(i);
+        QVERIFY(slot < order.slotCount());
+        QCOMPARE(slotList[i], slot);
+        QVERIFY(!taken[slot]);
+        taken[slot] = true;
+        QCOMPARE(order.indexOf(slot), i);
+    }
+    for (Slot s = 0; s < order.slotCount(); ++s)
+        if (!taken[s]) QVERIFY(order.indexOf(s) >= points);
+}
+
+// A window holds its share of each hundredth of the file: within five standard deviations of a random subset.
+void SlotOrderTest::windowsAreSpread()
+{
+    constexpr PointIndex kPoints = 1'000'000;
+    for (const OrderKind kind : {OrderKind::Prime, OrderKind::Stratified}) {
+        const SlotOrder order(kind, kPoints);
+        const Slot run = std::max<Slot>(order.windowSize(), 20'000) / order.windowSize() * order.windowSize();
+        for (Slot first = 0; first + run <= order.slotCount(); first += 7 * run) {
+            std::vector<int> hundredths(100, 0);
+            for (Slot s = first; s < first + run; ++s) {
+                const PointIndex i = order.indexOf(s);
+                if (i < kPoints) ++hundredths[std::size_t(i * 100 / kPoints)];
+            }
+            const double expected = double(run) / 100.0;
+            for (const int n : hundredths) QVERIFY(std::abs(n - expected) < 6 * std::sqrt(expected) + 1);
+        }
+    }
+}
+
+QTEST_APPLESS_MAIN(SlotOrderTest)
+#include "SlotOrderTest.moc"
