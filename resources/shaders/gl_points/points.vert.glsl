@@ -1,1 +1,69 @@
 // SPDX-License-Identifier: MIT
+// Projects one point (LayerProjection in render/raster/Backend.h), and places it so that the rasterizer covers
+// exactly the samples that the contract asks for.
+layout(location = 0) in ivec3 position;  // local integers; x == 0: empty slot
+#ifdef CLASS_FILTER
+layout(location = 1) in uint pointClass;
+layout(location = 14) uniform uvec4 shownClasses[2];  // a bit a class
+#endif
+
+layout(location = 0) uniform ivec3 reference;
+layout(location = 1) uniform vec4 rowX;
+layout(location = 2) uniform vec4 rowY;
+layout(location = 3) uniform vec4 rowD;
+layout(location = 4) uniform bool perspective;
+layout(location = 5) uniform float nearDepth;
+layout(location = 6) uniform float pointSize;  // px
+layout(location = 7) uniform bool snap;        // pointSize is a multiple of 1/4 px
+layout(location = 8) uniform vec2 pictureSize; // px
+layout(location = 9) uniform float margin;     // px between viewport and picture, at the left and at the top
+layout(location = 10) uniform float perPixel;  // clip units
+layout(location = 11) uniform uint firstId;    // of vertex 0
+
+flat out uint id;
+#ifdef FRAGMENT_DEPTH
+flat out float depthValue;
+#endif
+
+// The order of operations is that of the CPU backend's kernels.
+float along(vec4 row, vec3 q)
+{
+    return fma(row.x, q.x, fma(row.y, q.y, fma(row.z, q.z, row.w)));
+}
+
+void main()
+{
+    const vec3 q = vec3(position - reference);
+    const float depth = along(rowD, q);
+    const float inverse = perspective ? 1.0 / depth : 1.0;
+    vec2 px = vec2(along(rowX, q), along(rowY, q)) * inverse;
+    const float halfSize = 0.5 * pointSize;
+
+    bool keep = position.x != 0 && depth >= nearDepth && all(greaterThanEqual(px, vec2(-halfSize))) &&
+                all(lessThan(px, pictureSize + halfSize));
+#ifdef CLASS_FILTER
+    keep = keep && ((shownClasses[pointClass >> 7][(pointClass >> 5) & 3u] >> (pointClass & 31u)) & 1u) != 0u;
+#endif
+
+    // Samples lie at multiples of 1/8 px. Moving the square so that its edges lie in the middle between two of
+    // these keeps what it covers, and survives the rasterizer's rounding to (usually) 1/256 px.
+    if (snap) px = (floor(8.0 * (px - halfSize)) + 0.5) * 0.125 + halfSize;
+
+    // Reversed depth without loss: the bits of positive floats order like the floats themselves, so taking them
+    // from a constant turns [2^-40, 2^86] round into (0, 1], one to one, for perspective and orthographic views.
+    const uint kNearest = 0x2B800000u, kSum = 0x3F800000u + kNearest;
+    const uint bits = clamp(floatBitsToUint(max(depth, uintBitsToFloat(kNearest))), kNearest, kSum - 0x00800000u);
+    const float reversed = uintBitsToFloat(kSum - bits);
+
+    id = firstId + uint(gl_VertexID);
+#ifdef FRAGMENT_DEPTH
+    depthValue = reversed;
+    const float z = 0.0;
+#else
+    const float z = reversed;
+#endif
+    // The division is done, so w is 1. Row 0 of the picture is row 0 of the texture: the picture stands on its
+    // head as OpenGL sees it, and is read back the right way up.
+    gl_Position = keep ? vec4((px + margin) * perPixel - 1.0, z, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
+    gl_PointSize = pointSize;
+}

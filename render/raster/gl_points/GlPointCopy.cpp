@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+#include "render/raster/gl_points/GlPointCopy.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <cassert>
+
+namespace punctum::render
+{
+namespace
+{
+
+constexpr Slot kBlockSlots = PointStore::kBlockSlots;
+
+std::uint32_t versionOf(const PointStore& store, GlPointCopy::Part part, Slot block) noexcept
+{
+    return part == GlPointCopy::Part::Positions ? store.positionVersion(block) : store.wordVersion(block);
+}
+
+bool sameAt(const LocalPosition& a, const LocalPosition& b) noexcept
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+}  // namespace
+
+GlPointCopy::GlPointCopy(const PointStore& store, Slot chunkSlots)
+    : m_slots(store.slotCount()),
+      m_chunkSlots(chunkSlots),
+      m_chunkBlocks(chunkSlots / kBlockSlots),
+      m_frame(store.frame()),
+      m_source(store.positions().data()),
+      m_positionVersions(store.blocks()),
+      m_wordVersions(store.blocks()),
+      m_classVersions(store.blocks()),
+      m_firstPositions(store.blocks())
+{
+    assert(chunkSlots >= kBlockSlots && chunkSlots % kBlockSlots == 0);
+    for (std::uint64_t first = 0; first < m_slots; first += chunkSlots) {
+        Chunk chunk;
+        chunk.first = Slot(first);
+        chunk.slots = Slot(std::min<std::uint64_t>(chunkSlots, m_slots - first));
+        m_chunks.push_back(std::move(chunk));
+    }
+}
+
+bool GlPointCopy::matches(const PointStore& store) const noexcept
+{
+    const LocalFrame& frame = store.frame();
+    if (store.slotCount() != m_slots || store.positions().data() != m_source || frame.origin != m_frame.origin ||
+        frame.shift != m_frame.shift)
+        return false;
+    // A store that was closed and one that was opened since can have everything alike, the address too, but for
+    // the points. A few are looked at, once loading no longer changes them.
+    const bool settled = store.filled() >= store.cloud().size();
+    constexpr Slot kLooks = 64;
+    const Slot step = std::max<Slot>(1, store.blocks() / kLooks);
+    for (Slot b = 0; b < store.blocks(); b += step) {
+        const std::uint32_t version = store.positionVersion(b);
+        if (version < m_positionVersions[b]) return false;
+        if (settled && version != 0 && version == m_positionVersions[b] &&
+            !sameAt(store.positions()[std::size_t(b) * kBlockSlots], m_firstPositions[b]))
+            return false;
+    }
+    return true;
+}
+
+std::vector<std::uint32_t>& GlPointCopy::versions(Part part) noexcept
+{
+    return part == Part::Positions ? m_positionVersions : part == Part::Words ? m_wordVersions : m_classVersions;
+}
+
+const std::vector<std::uint32_t>& GlPointCopy::versions(Part part) const noexcept
+{
+    return part == Part::Positions ? m_positionVersions : part == Part::Words ? m_wordVersions : m_classVersions;
+}
+
+void GlPointCopy::allocate(Chunk& chunk, Part part)
+{
+    const auto slots = std::size_t(chunk.slots);
+    if (!chunk.positions) {
+        GlBuffer positions = GlBuffer::allocate(slots * sizeof(LocalPosition));
+        GlBuffer words = GlBuffer::allocate(slots * sizeof(std::uint32_t));
+        positions.clear();  // all slots empty
+        words.clear();
+        chunk.points = GlVertexArray::create();
+        glBindVertexArray(chunk.points.id());
+        glBindVertexBuffer(0, positions.id(), 0, sizeof(LocalPosition));
+        glVertexAttribIFormat(0, 3, GL_INT, 0);
+        glVertexAttribBinding(0, 0);
+        glEnableVertexAttribArray(0);
+        chunk.positions = std::move(positions);
+        chunk.words = std::move(words);
+    }
+    if (part == Part::Classes && !chunk.classes) {
+        chunk.classes = GlBuffer::allocate((slots + 3) / 4 * 4);
+        chunk.classes.clear();
+        glBindVertexArray(chunk.points.id());
+        glBindVertexBuffer(1, chunk.classes.id(), 0, 1);
+        glVertexAttribIFormat(1, 1, GL_UNSIGNED_BYTE, 0);
+        glVertexAttribBinding(1, 1);
+        glEnableVertexAttribArray(1);
+    }
+}
+
+void GlPointCopy::put(const PointStore& store, Part part, Slot firstBlock, Slot lastBlock)
+{
+    Chunk& chunk = m_chunks[firstBlock / m_chunkBlocks];
+    allocate(chunk, part);
+    // The versions first: what is written between here and the copying raises them again.
+    std::vector<std::uint32_t>& mine = versions(part);
+    for (Slot b = firstBlock; b < lastBlock; ++b) {
+        mine[b] = versionOf(store, part, b);
+        if (part == Part::Positions) m_firstPositions[b] = store.positions()[std::size_t(b) * kBlockSlots];
+    }
+    const auto first = std::size_t(firstBlock) * kBlockSlots;
+    const auto count = std::min(std::size_t(lastBlock) * kBlockSlots, std::size_t(m_slots)) - first;
+    const std::size_t at = first - chunk.first;
+    switch (part) {
+        case Part::Positions:
+            chunk.positions.write(at * sizeof(LocalPosition), store.positions().data() + first,
+                                  count * sizeof(LocalPosition));
+            break;
+        case Part::Words:
+            chunk.words.write(at * 4, store.words().data() + first, count * 4);
+            break;
+        case Part::Classes:
+            chunk.classes.write(at, store.classes().data() + first, count);
+            break;
+    }
+}
+
+void GlPointCopy::update(const PointStore& store, Part part, SlotRange range)
+{
+    if (range.first >= range.last) return;
+    const Slot last = (range.last - 1) / kBlockSlots + 1;
+    const std::vector<std::uint32_t>& mine = versions(part);
+    for (Slot b = range.first / kBlockSlots; b < last;) {
+        Chunk& chunk = m_chunks[b / m_chunkBlocks];
+        const Slot chunkEnd = std::min(last, (b / m_chunkBlocks + 1) * m_chunkBlocks);
+        allocate(chunk, part);
+        while (b < chunkEnd) {
+            Slot end = b;
+            while (end < chunkEnd && mine[end] != versionOf(store, part, end)) ++end;
+            if (end > b) put(store, part, b, end);
+            b = end + 1;
+        }
+        b = chunkEnd;
+    }
+}
+
+std::size_t GlPointCopy::staleBlocks(const PointStore& store, Part part) const noexcept
+{
+    const std::vector<std::uint32_t>& mine = versions(part);
+    std::size_t count = 0;
+    for (Slot b = 0; b < mine.size(); ++b) count += allocated(b) && mine[b] != versionOf(store, part, b);
+    return count;
+}
+
+void GlPointCopy::updateSome(const PointStore& store, Part part, std::size_t blocks)
+{
+    const std::vector<std::uint32_t>& mine = versions(part);
+    const auto all = Slot(mine.size());
+    for (Slot looked = 0; looked < all && blocks > 0; ++looked) {
+        m_cursor = m_cursor + 1 < all ? m_cursor + 1 : 0;
+        if (!allocated(m_cursor) || mine[m_cursor] == versionOf(store, part, m_cursor)) continue;
+        put(store, part, m_cursor, m_cursor + 1);
+        --blocks;
+    }
+}
+
+void GlPointCopy::requireClasses()
+{
+    for (Chunk& chunk : m_chunks)
+        if (chunk.positions) allocate(chunk, Part::Classes);
+}
+
+}  // namespace punctum::render

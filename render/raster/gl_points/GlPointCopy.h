@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "render/gl/GlObjects.h"
+#include "render/store/PointStore.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace punctum::render
+{
+
+/// The copy of one PointStore in the device's memory, in chunks small enough for one storage block each.
+///
+/// Blocks of PointStore::kBlockSlots slots are brought over when their version has risen, and only when somebody
+/// asks for them: while a file loads every block changes all the time. Owned by the backend; the thread of its
+/// context. Members throw Error when the device has no memory left.
+class GlPointCopy
+{
+public:
+    /// 2^23 slots make 96 MiB of positions: below the 128 MiB that some drivers set as the limit of a block.
+    static constexpr Slot kMostChunkSlots = Slot(1) << 23;
+
+    /// `chunkSlots`: a multiple of PointStore::kBlockSlots.
+    GlPointCopy(const PointStore& store, Slot chunkSlots);
+
+    /// False when the store is another one than this copy was made of (at the same address), or was rebuilt.
+    bool matches(const PointStore& store) const noexcept;
+
+    struct Chunk {
+        Slot first = 0;
+        Slot slots = 0;
+        GlBuffer positions;    ///< 3 x int32 a slot
+        GlBuffer words;        ///< uint32 a slot
+        GlBuffer classes;      ///< uint8 a slot; empty until classes are asked for
+        GlVertexArray points;  ///< attribute 0: positions; 1: classes, once there are any
+    };
+    /// Chunk i begins at slot i * chunkSlots(). Buffers are empty handles until something was put there.
+    std::span<const Chunk> chunks() const noexcept { return m_chunks; }
+    Slot chunkSlots() const noexcept { return m_chunkSlots; }
+
+    enum class Part { Positions, Words, Classes };
+    /// Brings over the blocks that touch `range` and have changed; reads the store while loaders may write it.
+    void update(const PointStore& store, Part part, SlotRange range);
+    /// How many blocks have changed; chunks that nothing was drawn of do not count.
+    std::size_t staleBlocks(const PointStore& store, Part part) const noexcept;
+    /// Brings over at most so many changed blocks, beginning where the last call ended.
+    void updateSome(const PointStore& store, Part part, std::size_t blocks);
+    /// Makes room for classes wherever something was drawn, so that attribute 1 can be used.
+    void requireClasses();
+
+    // -- notes of GlPointsBackend on this copy
+    bool rebuilt = false;        ///< visible points may not have come over yet
+    bool wordsOutdated = false;  ///< words of visible points may be those of another attribute or of an older value
+    std::shared_ptr<const AttributeEncoder> encoder;  ///< of the words, when they were last found complete
+
+private:
+    void allocate(Chunk& chunk, Part part);
+    bool allocated(Slot block) const noexcept { return bool(m_chunks[block / m_chunkBlocks].positions); }
+    std::vector<std::uint32_t>& versions(Part part) noexcept;
+    const std::vector<std::uint32_t>& versions(Part part) const noexcept;
+    /// Consecutive blocks of one chunk.
+    void put(const PointStore& store, Part part, Slot firstBlock, Slot lastBlock);
+
+    Slot m_slots;
+    Slot m_chunkSlots, m_chunkBlocks;
+    LocalFrame m_frame;
+    const LocalPosition* m_source;
+    std::vector<Chunk> m_chunks;
+    std::vector<std::uint32_t> m_positionVersions, m_wordVersions, m_classVersions;  ///< of what is here, by block
+    std::vector<LocalPosition> m_firstPositions;  ///< of each block, as it came over
+    Slot m_cursor = 0;
+};
+
+}  // namespace punctum::render
