@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "app/CameraFile.h"
+
+#include "core/Error.h"
+
+#include <glm/geometric.hpp>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+namespace punctum::app
+{
+
+namespace
+{
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+double numberOf(const std::filesystem::path& path, const std::string& key, const Json& value, double low,
+                double high)
+{
+    if (!value.is_number()) throw Error(path, "\"" + key + "\" must be a number.");
+    const double number = value.get<double>();
+    if (!(number >= low && number <= high))
+        throw Error(path, "\"" + key + "\" must be from " + Json(low).dump() + " to " + Json(high).dump() + ".");
+    return number;
+}
+
+glm::dvec3 positionOf(const std::filesystem::path& path, const std::string& key, const Json& value)
+{
+    if (!value.is_array() || value.size() != 3)
+        throw Error(path, "\"" + key + "\" must be three numbers, [x, y, z].");
+    glm::dvec3 position;
+    for (int axis = 0; axis < 3; ++axis)
+        position[axis] = numberOf(path, key, value[std::size_t(axis)], -1e15, 1e15);
+    return position;
+}
+
+}  // namespace
+
+render::Camera readCamera(const std::filesystem::path& path, const render::Camera& fitted,
+                          const WorldBounds& bounds, glm::dvec2 sizePx)
+{
+    std::ifstream file(path);
+    if (!file) throw Error(path, "The camera file could not be read; does it exist?");
+    const Json json = Json::parse(file, nullptr, false);
+    if (!json.is_object())
+        throw Error(path, "This is not a camera: a JSON object with \"eye\", \"yaw\", \"pitch\".");
+
+    render::Camera camera = fitted;
+    bool eye = false;
+    bool pivot = false;
+    for (const auto& [key, value] : json.items()) {
+        if (key == "eye") {
+            camera.eye = positionOf(path, key, value);
+            eye = true;
+        } else if (key == "pivot") {
+            camera.pivot = positionOf(path, key, value);
+            pivot = true;
+        } else if (key == "yaw") {
+            camera.yaw = numberOf(path, key, value, -3600, 3600) * kDegree;
+        } else if (key == "pitch") {
+            camera.pitch = numberOf(path, key, value, -90, 90) * kDegree;
+        } else if (key == "fov") {
+            camera.fovY = numberOf(path, key, value, 1, 150) * kDegree;
+        } else if (key == "orthographic") {
+            if (!value.is_boolean()) throw Error(path, "\"orthographic\" must be true or false.");
+            camera.orthographic = value.get<bool>();
+        } else {
+            throw Error(path,
+                        "A camera has no key \"" + key + "\"; it has eye, yaw, pitch, fov, pivot, orthographic.");
+        }
+    }
+    if (pivot && !eye) throw Error(path, "A camera with \"pivot\" needs \"eye\" too.");
+    if (!eye)
+        camera.fit(bounds, sizePx);
+    else if (!pivot)
+        // as far ahead as the clouds' middle is, so that a parallel picture has a sensible size
+        camera.pivot = camera.eye + camera.forward() * std::max(1e-3, glm::distance(camera.eye, fitted.pivot));
+    return camera;
+}
+
+Json jsonOf(const render::Camera& camera)
+{
+    return {{"eye", {camera.eye.x, camera.eye.y, camera.eye.z}},
+            {"yaw", camera.yaw / kDegree},
+            {"pitch", camera.pitch / kDegree},
+            {"fov", camera.fovY / kDegree},
+            {"pivot", {camera.pivot.x, camera.pivot.y, camera.pivot.z}},
+            {"orthographic", camera.orthographic}};
+}
+
+}  // namespace punctum::app

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include "app/Console.h"
+
+#include "core/Error.h"
+#include "core/task/Progress.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+
+namespace punctum::app
+{
+
+namespace
+{
+
+using namespace std::chrono_literals;
+
+/// Short work ends before a bar would be worth looking at.
+constexpr auto kDelay = 300ms;
+constexpr auto kPeriod = 100ms;
+constexpr int kBarWidth = 30;
+
+}  // namespace
+
+ProgressBar::ProgressBar(const Progress& progress) : m_progress(progress)
+{
+    if (isatty(STDERR_FILENO) != 1) return;
+    m_thread = std::thread([this] { draw(); });
+}
+
+ProgressBar::~ProgressBar()
+{
+    if (!m_thread.joinable()) return;
+    {
+        const std::lock_guard lock(m_mutex);
+        m_end = true;
+    }
+    m_wake.notify_one();
+    m_thread.join();
+}
+
+void ProgressBar::draw()
+{
+    std::unique_lock lock(m_mutex);
+    if (m_wake.wait_for(lock, kDelay, [this] { return m_end; })) return;
+    do {
+        const double fraction = m_progress.fraction();
+        const int filled = int(fraction * kBarWidth + 0.5);
+        const std::string bar =
+            std::string(std::size_t(filled), '#') + std::string(std::size_t(kBarWidth - filled), '.');
+        std::fprintf(stderr, "\r\033[K[%s] %3d %%  %s", bar.c_str(), int(fraction * 100),
+                     m_progress.stage().c_str());
+        std::fflush(stderr);
+    } while (!m_wake.wait_for(lock, kPeriod, [this] { return m_end; }));
+    std::fputs("\r\033[K", stderr);
+    std::fflush(stderr);
+}
+
+void print(std::string_view text)
+{
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+        throw Error("The result could not be written to standard output; is the disk full?");
+}
+
+void printJson(const Json& value)
+{
+    print(value.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+void complain(std::string_view sentence)
+{
+    std::fprintf(stderr, "punctum: %.*s\n", int(sentence.size()), sentence.data());
+}
+
+void note(std::string_view sentence)
+{
+    std::fprintf(stderr, "Note: %.*s\n", int(sentence.size()), sentence.data());
+}
+
+std::string grouped(std::uint64_t number)
+{
+    std::string text = std::to_string(number);
+    for (std::size_t at = text.size(); at > 3; at -= 3) text.insert(at - 3, 1, ',');
+    return text;
+}
+
+}  // namespace punctum::app

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "app/Files.h"
+
+#include "app/commands/Command.h"
+#include "core/Error.h"
+#include "core/las/Reader.h"
+#include "core/las/SourceFile.h"
+#include "core/task/Progress.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+namespace punctum::app
+{
+
+namespace fs = std::filesystem;
+
+namespace
+{
+
+std::string reason(int error)
+{
+    return std::string(": ") + std::strerror(error) + ".";
+}
+
+/// Writes all bytes, or returns the errno of what stopped it.
+int writeAll(int file, std::string_view bytes)
+{
+    while (!bytes.empty()) {
+        const ssize_t n = ::write(file, bytes.data(), bytes.size());
+        if (n < 0 && errno != EINTR) return errno;
+        if (n > 0) bytes.remove_prefix(std::size_t(n));
+    }
+    return 0;
+}
+
+}  // namespace
+
+void checkCloudName(const fs::path& path)
+{
+    std::string ending = path.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return char(std::tolower(c)); });
+    if (ending != ".las" && ending != ".laz")
+        throw UsageError("The file to write, " + path.string() + ", must end in .las or .laz.");
+}
+
+void checkFolder(const fs::path& path)
+{
+    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    std::error_code error;
+    if (!fs::is_directory(folder, error)) throw Error(path, "The folder " + folder.string() + " does not exist.");
+    if (access(folder.c_str(), W_OK) != 0)
+        throw Error(path, "Nothing can be written to the folder " + folder.string() + reason(errno));
+}
+
+std::shared_ptr<PointCloud> loadForWriting(const fs::path& in, const fs::path& out, Progress& progress)
+{
+    checkFolder(out);
+    las::ReadResult result;
+    auto cloud = las::load(in, progress, &result);
+    for (const std::string& warning : result.warnings) note(warning);
+    std::error_code error;
+    const bool damaged = cloud->source()->recovered || !result.missing.empty();
+    if (damaged && fs::equivalent(in, out, error))
+        throw Error(in,
+                    "Some of this file could not be read; write under another name, so that the original is kept.");
+    return cloud;
+}
+
+void reportWritten(const las::WriteReport& report, const fs::path& path, bool json, Json more)
+{
+    if (json) {
+        Json all = std::move(more);
+        all["file"] = path.string();
+        all["points"] = report.points;
+        all["bytes"] = report.bytes;
+        all["notes"] = report.notes;
+        printJson(all);
+        return;
+    }
+    for (const std::string& text : report.notes) note(text);
+    print(path.string() + ": " + grouped(report.points) + " points, " + grouped(report.bytes) + " bytes\n");
+}
+
+DrawableCloud loadDrawable(const fs::path& path, Progress& progress)
+{
+    const auto reader = las::Reader::open(path);
+    DrawableCloud loaded;
+    loaded.cloud = reader->createCloud();
+    loaded.store = std::make_shared<render::PointStore>(loaded.cloud, reader->source()->sampledBounds);
+    las::ReadResult result =
+        reader->read(*loaded.cloud, progress, [&](PointRange range) { loaded.store->fill(range); });
+    loaded.bounds = result.bounds;
+    loaded.warnings = reader->source()->warnings;
+    for (const std::string& warning : result.warnings)
+        if (std::find(loaded.warnings.begin(), loaded.warnings.end(), warning) == loaded.warnings.end())
+            loaded.warnings.push_back(warning);
+    return loaded;
+}
+
+void writeWhole(const fs::path& path, std::string_view bytes)
+{
+    std::error_code code;
+    const fs::file_status status = fs::status(path, code);
+    if (fs::is_directory(status)) throw Error(path, "This is a folder, not a file to write.");
+    // a device or a pipe cannot be replaced, only written to
+    const bool replace = !fs::exists(status) || fs::is_regular_file(status);
+    const fs::path target = replace && fs::exists(status) ? fs::canonical(path, code) : path;
+    const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+    const fs::path written = replace ? folder / (".punctum-" + std::to_string(getpid()) + ".tmp") : target;
+
+    const int file = open(written.c_str(), (replace ? O_CREAT | O_EXCL : 0) | O_WRONLY | O_CLOEXEC, 0666);
+    if (file < 0) throw Error(path, "The file could not be written" + reason(errno));
+    int error = writeAll(file, bytes);
+    if (error == 0 && replace && fsync(file) != 0) error = errno;
+    if (close(file) != 0 && error == 0) error = errno;
+    if (error == 0 && replace && rename(written.c_str(), target.c_str()) != 0) error = errno;
+    if (error != 0) {
+        if (replace) unlink(written.c_str());
+        throw Error(path, "The file could not be written" + reason(error));
+    }
+}
+
+}  // namespace punctum::app

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "app/Console.h"
+#include "core/cloud/PointCloud.h"
+#include "core/las/Writer.h"
+#include "render/store/PointStore.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace punctum::app
+{
+
+/// Throws UsageError unless the name ends in .las or .laz (any case): the ending decides what is written.
+void checkCloudName(const std::filesystem::path& path);
+/// Throws Error when the folder that is to hold `path` is not there, before any work is spent.
+void checkFolder(const std::filesystem::path& path);
+
+/// Loads `in` in order to write `out`: puts warnings on stderr, and throws Error when that would replace a damaged
+/// original by what could be read of it. Throws Error, Cancelled.
+std::shared_ptr<PointCloud> loadForWriting(const std::filesystem::path& in, const std::filesystem::path& out,
+                                           Progress& progress);
+
+/// Tells what was written: JSON with `more` keys in front, or a line, and the notes on stderr.
+void reportWritten(const las::WriteReport& report, const std::filesystem::path& path, bool json,
+                   Json more = Json::object());
+
+/// A cloud, and what is drawn of it.
+struct DrawableCloud {
+    std::shared_ptr<PointCloud> cloud;
+    std::shared_ptr<render::PointStore> store;
+    RawBounds bounds;
+    std::vector<std::string> warnings;
+};
+
+/// Loads a file and fills its store on the way. Throws Error, Cancelled.
+DrawableCloud loadDrawable(const std::filesystem::path& path, Progress& progress);
+
+/// Writes bytes to a file, whole or not at all. Throws Error.
+void writeWhole(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace punctum::app

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#include "app/Renderer.h"
+
+#include "core/task/Progress.h"
+
+namespace punctum::app
+{
+
+namespace
+{
+
+/// Seconds a frame may take where nobody watches: short enough to answer Ctrl+C at once.
+constexpr double kFrameSeconds = 0.05;
+
+}  // namespace
+
+HeadlessRenderer::HeadlessRenderer(const std::string& backend)
+{
+    const auto kind = render::backendFromName(backend).value_or(render::BackendKind::Cpu);
+    if (kind == render::BackendKind::GlPoints) m_context = render::EglContext::create();
+    m_renderer = std::make_unique<render::ProgressiveRenderer>(render::makeBackend(kind));
+}
+
+HeadlessRenderer::~HeadlessRenderer() = default;
+
+void addBackendOption(CLI::App& command, std::string& backend)
+{
+    command.add_option("--backend", backend, "What draws: auto, cpu or gl-points; default auto, which is cpu here")
+        ->type_name("NAME")
+        ->check([](const std::string& name) {
+            if (name == "auto" || render::backendFromName(name)) return std::string();
+            if (name == "gl-compute")
+                return std::string("The backend gl-compute is not there in this version; use cpu or gl-points.");
+            return "There is no backend \"" + name + "\"; there are auto, cpu and gl-points.";
+        });
+}
+
+void drawAll(render::ProgressiveRenderer& renderer, bool bruteForce, Progress& progress)
+{
+    if (bruteForce) {
+        renderer.renderFrame(0.0);  // judges by all points whether colors have 8 or 16 bits
+        renderer.renderBruteForce();
+        return;
+    }
+    constexpr std::uint64_t kParts = 1000;
+    progress.begin("Drawing", kParts);
+    std::uint64_t done = 0;
+    for (;;) {
+        progress.check();
+        const render::FrameReport report = renderer.renderFrame(kFrameSeconds);
+        if (report.converged) return;
+        const std::uint64_t now = std::uint64_t(report.share * kParts);
+        if (now > done) progress.add(now - done);
+        done = std::max(done, now);
+    }
+}
+
+}  // namespace punctum::app

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "app/Window.h"
+
+#include "app/Cli.h"
+#include "app/Console.h"
+#include "ui/MainWindow.h"
+
+#include <QApplication>
+#include <QFile>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+
+namespace punctum::app
+{
+
+namespace
+{
+
+/// What the words after the program's name ask for.
+struct WindowRequest {
+    QStringList files;
+    bool platformGiven = false;
+    std::string wrong;  ///< a sentence when the words make no sense
+};
+
+/// Options of Qt itself that take a value; QApplication understands them, we only step over them.
+bool isQtOption(std::string_view word)
+{
+    while (word.starts_with('-')) word.remove_prefix(1);
+    for (const std::string_view name :
+         {"platform", "platformtheme", "platformpluginpath", "style", "stylesheet", "display", "name", "title",
+          "icon", "qwindowtitle", "qwindowicon", "qwindowgeometry", "geometry", "session"})
+        if (word == name) return true;
+    return false;
+}
+
+WindowRequest understand(int argc, char** argv)
+{
+    WindowRequest request;
+    bool onlyFiles = false;
+    for (int k = 1; k < argc; ++k) {
+        const std::string_view word = argv[k];
+        if (onlyFiles || !word.starts_with('-')) {
+            // what is neither there nor looks like a file was meant as a command
+            std::error_code error;
+            const bool fileLike = word.find_first_of("./") != std::string_view::npos;
+            if (k == 1 && !fileLike && !std::filesystem::exists(word, error))
+                request.wrong = "There is no command and no file \"" + std::string(word) + "\".";
+            request.files << QFile::decodeName(argv[k]);
+        } else if (word == "--") {
+            onlyFiles = true;
+        } else if (isQtOption(word)) {
+            request.platformGiven |= word.ends_with("platform");
+            ++k;
+        } else {
+            request.wrong = "There is no option " + std::string(word) + ".";
+        }
+    }
+    return request;
+}
+
+bool given(const char* variable)
+{
+    const char* value = std::getenv(variable);
+    return value != nullptr && *value != '\0';
+}
+
+}  // namespace
+
+int runWindowed(int argc, char** argv)
+{
+    const WindowRequest request = understand(argc, argv);
+    if (!request.wrong.empty()) {
+        complain(request.wrong + " See punctum --help.");
+        return kUsage;
+    }
+    // Qt would abort with a message of its own
+    if (!request.platformGiven && !given("DISPLAY") && !given("WAYLAND_DISPLAY") && !given("QT_QPA_PLATFORM")) {
+        complain("There is no display to open a window on; punctum render FILE -o picture.png draws without one.");
+        return kFailed;
+    }
+    QCoreApplication::setOrganizationName(QStringLiteral("Punctum"));
+    QCoreApplication::setApplicationName(QStringLiteral("punctum"));
+    QCoreApplication::setApplicationVersion(QStringLiteral(PUNCTUM_VERSION));
+    QGuiApplication::setApplicationDisplayName(QStringLiteral("Punctum"));
+    QGuiApplication::setDesktopFileName(QStringLiteral("punctum"));
+    // fractional scales as they are, so that a px of the picture is a px of the screen
+    QGuiApplication::setHighDpiScaleFactorRoundingPolicy(Qt::HighDpiScaleFactorRoundingPolicy::PassThrough);
+    QApplication application(argc, argv);
+    return ui::runWindow(application, request.files);
+}
+
+}  // namespace punctum::app

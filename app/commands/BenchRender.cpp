@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+// punctum bench render: one pass over all points, a turn at a fixed budget, convergence, idleness.
+#include "app/Picture.h"
+#include "app/commands/Bench.h"
+#include "core/Error.h"
+#include "core/task/Progress.h"
+
+#include <ctime>
+#include <numbers>
+#include <stdexcept>
+#include <thread>
+
+namespace punctum::app
+{
+
+namespace
+{
+
+constexpr int kFrames = 120;
+constexpr int kLeadIn = 10;  ///< frames whose coverage does not count: the picture begins empty
+constexpr double kTurn = std::numbers::pi;
+constexpr double kFrameSeconds = 0.0166;
+
+struct BenchRenderOptions : BenchOptions {
+    std::string backend = "auto";
+    std::string size = "1280x800";
+    int samples = 1;
+    int width = 0;
+    int height = 0;
+};
+
+/// The renderer and the cloud it shows, and how to begin with an empty picture.
+struct Stage {
+    render::ProgressiveRenderer& renderer;
+    const BenchRenderOptions& options;
+    render::Camera camera;
+
+    void empty() const
+    {
+        // a target of another size and back is a new one, with nothing in it
+        renderer.setSize(options.width + 8, options.height);
+        renderer.setSize(options.width, options.height);
+        renderer.setCamera(camera);
+    }
+    render::Camera turned(int frame) const
+    {
+        render::Camera c = camera;
+        c.orbit(kTurn * frame / kFrames, 0.0);
+        return c;
+    }
+};
+
+void measureBruteForce(const Stage& stage, double points, Figures& figures)
+{
+    stage.renderer.setCamera(stage.camera);
+    const Clock clock;
+    stage.renderer.renderBruteForce();
+    const double seconds = clock.seconds();
+    figures.add("brute_force_ms", seconds * 1e3);
+    figures.add("mpts_per_s", points / seconds * 1e-6);
+}
+
+/// Covered share of each frame's picture, and the figures of its time.
+std::vector<double> measureOrbit(const Stage& stage, Figures& figures, Progress& progress)
+{
+    std::vector<double> times;
+    std::vector<double> covered;
+    stage.empty();
+    for (int frame = 0; frame < kFrames; ++frame) {
+        progress.check();
+        const Clock clock;
+        stage.renderer.setCamera(stage.turned(frame));
+        stage.renderer.renderFrame(kFrameSeconds);
+        times.push_back(clock.milliseconds());
+        covered.push_back(stage.renderer.coveredShare());
+    }
+    figures.add("orbit.frame_ms", median(times));
+    figures.add("orbit.frame_ms_p95", percentile(times, 0.95));
+    figures.add("orbit.frame_ms_max", percentile(times, 1.0));
+    return covered;
+}
+
+void measureConvergence(const Stage& stage, Figures& figures, Progress& progress)
+{
+    stage.empty();
+    const Clock clock;
+    while (!stage.renderer.renderFrame(kFrameSeconds).converged) progress.check();
+    figures.add("converge_ms", clock.milliseconds());
+
+    // What a view does that asks for a frame whenever one is due: none of them may draw.
+    const std::clock_t cpu = std::clock();
+    int drawn = 0;
+    for (const Clock second; second.seconds() < 1.0;) {
+        progress.check();
+        const render::FrameReport report = stage.renderer.renderFrame(kFrameSeconds);
+        if (!report.converged || report.filled != 0) ++drawn;
+        std::this_thread::sleep_for(std::chrono::duration<double>(kFrameSeconds));
+    }
+    figures.add("idle_frames", drawn);
+    figures.add("idle_cpu_ms", double(std::clock() - cpu) * 1e3 / CLOCKS_PER_SEC);
+}
+
+void runBenchRender(const BenchRenderOptions& options, Progress& progress)
+{
+    HeadlessRenderer headless(options.backend);
+    render::ProgressiveRenderer& renderer = headless.renderer();
+    const DrawableCloud cloud = loadDrawable(options.file, progress);
+    const auto points = double(cloud.cloud->size());
+    render::DisplaySettings display;
+    display.samples = options.samples;
+    show(renderer, cloud, options.width, options.height, display);
+    const Stage stage{renderer, options, benchCamera(cloud, options.width, options.height)};
+    drawAll(renderer, false, progress);  // streams the attribute, learns the cost of a point, touches all memory
+
+    Figures figures;
+    figures.fact("points", cloud.cloud->size());
+    figures.fact("backend", render::nameOf(renderer.backend().kind()));
+    figures.fact("device", renderer.backend().description());
+    figures.fact("size", options.size);
+    figures.fact("samples", options.samples);
+    std::vector<std::vector<double>> covered;
+    for (int round = 0; round < options.rounds; ++round) {
+        measureBruteForce(stage, points, figures);
+        covered.push_back(measureOrbit(stage, figures, progress));
+        measureConvergence(stage, figures, progress);
+    }
+
+    std::vector<double> reference;
+    for (int frame = kLeadIn; frame < kFrames; ++frame) {
+        progress.check();
+        renderer.setCamera(stage.turned(frame));
+        renderer.renderBruteForce();
+        reference.push_back(renderer.coveredShare());
+    }
+    for (const std::vector<double>& round : covered) {
+        double sum = 0;
+        double worst = 1;
+        for (std::size_t k = 0; k < reference.size(); ++k) {
+            const double share = reference[k] > 0 ? round[k + kLeadIn] / reference[k] : 1.0;
+            sum += share;
+            worst = std::min(worst, share);
+        }
+        figures.add("orbit.coverage", sum / double(reference.size()));
+        figures.add("orbit.coverage_least", worst);
+    }
+    figures.report(options);
+}
+
+}  // namespace
+
+void addBenchRender(CLI::App& bench, Action& action)
+{
+    CLI::App& command =
+        addCommand(bench, "render",
+                   "Drawing: all points in one pass; a half turn of 120 frames at 16.6 ms, begun with "
+                   "an empty picture; from nothing to the full picture; frames drawn afterwards");
+    const auto options = std::make_shared<BenchRenderOptions>();
+    addBenchOptions(command, *options);
+    addBackendOption(command, options->backend);
+    command.add_option("--size", options->size, "Width and height in px; default 1280x800")->type_name("WxH");
+    command.add_option("--samples", options->samples, "Samples a pixel: 1 or 4; default 1")
+        ->type_name("N")
+        ->check(CLI::IsMember({1, 4}));
+    command.callback([options, &action] {
+        try {
+            std::tie(options->width, options->height) = parseSize(options->size);
+        } catch (const std::invalid_argument& wrong) {
+            throw CLI::ValidationError(wrong.what());
+        }
+        action = [options](Progress& p) { runBenchRender(*options, p); };
+    });
+}
+
+}  // namespace punctum::app

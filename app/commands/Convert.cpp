@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// punctum convert: reads a cloud and writes it again, as LAS or LAZ, losing nothing.
+#include "app/Console.h"
+#include "app/Files.h"
+#include "app/commands/Command.h"
+#include "core/las/Writer.h"
+#include "core/task/Progress.h"
+
+#include <memory>
+
+namespace punctum::app
+{
+
+namespace
+{
+
+struct ConvertOptions {
+    std::string in;
+    std::string out;
+    std::string version;
+    int format = -1;
+    bool noVerify = false;
+    bool json = false;
+};
+
+void runConvert(const ConvertOptions& options, Progress& progress)
+{
+    checkCloudName(options.out);
+    const auto cloud = loadForWriting(options.in, options.out, progress);
+    las::WriteOptions write;
+    write.compressed = las::isCompressedName(options.out);
+    if (!options.version.empty()) write.versionMinor = std::uint8_t(options.version.back() - '0');
+    if (options.format >= 0) write.pointFormat = std::uint8_t(options.format);
+    write.verify = !options.noVerify;
+    reportWritten(las::write(*cloud, options.out, write, progress), options.out, options.json);
+}
+
+}  // namespace
+
+void addConvert(CLI::App& root, Action& action)
+{
+    CLI::App& command = addCommand(root, "convert",
+                                   "Write a cloud again as LAS or LAZ, as the ending of OUT says. "
+                                   "Every field of every point, every record and the header are kept.");
+    const auto options = std::make_shared<ConvertOptions>();
+    command.add_option("IN", options->in, "LAS or LAZ file to read")->required();
+    command.add_option("OUT", options->out, "File to write: .las or .laz")->required();
+    command.add_option("--las-version", options->version, "LAS version to write; default: as IN")
+        ->type_name("VERSION")
+        ->check(CLI::IsMember({"1.2", "1.3", "1.4"}));
+    command
+        .add_option("--point-format", options->format, "Point data record format to write, 0 to 10; default: as IN")
+        ->type_name("N")
+        ->check(CLI::Range(0, 10));
+    command.add_flag("--no-verify", options->noVerify,
+                     "Do not read the written file back before it takes its name");
+    command.add_flag("--json", options->json, "Report in JSON");
+    command.callback([options, &action] { action = [options](Progress& p) { runConvert(*options, p); }; });
+}
+
+}  // namespace punctum::app

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+// punctum process: runs processing steps over a cloud, in order, and writes the result.
+#include "app/Console.h"
+#include "app/Files.h"
+#include "app/commands/Command.h"
+#include "core/Error.h"
+#include "core/las/Writer.h"
+#include "core/process/Step.h"
+#include "core/task/Progress.h"
+
+#include <chrono>
+#include <memory>
+
+namespace punctum::app
+{
+
+namespace
+{
+
+struct ProcessOptions {
+    std::string in;
+    std::string out;
+    std::vector<std::string> steps;
+    bool noVerify = false;
+    bool list = false;
+    bool json = false;
+};
+
+std::string_view nameOf(StepParameter::Type type)
+{
+    switch (type) {
+        case StepParameter::Type::Integer:
+            return "integer";
+        case StepParameter::Type::Real:
+            return "real";
+        case StepParameter::Type::AttributeName:
+            return "attribute";
+        case StepParameter::Type::ClassCode:
+            return "class";
+    }
+    return "";
+}
+
+Json jsonOfSteps()
+{
+    Json all = Json::array();
+    for (const Step* step : allSteps()) {
+        Json parameters = Json::array();
+        for (const StepParameter& p : step->parameters())
+            parameters.push_back({{"key", p.key},
+                                  {"label", p.label},
+                                  {"help", p.help},
+                                  {"type", nameOf(p.type)},
+                                  {"default", p.preset.empty() ? Json(nullptr) : Json(p.preset)},
+                                  {"min", p.min},
+                                  {"max", p.max},
+                                  {"optional", p.optional},
+                                  {"unit", p.unit}});
+        all.push_back(
+            {{"name", step->name()}, {"title", step->title()}, {"help", step->help()}, {"parameters", parameters}});
+    }
+    return all;
+}
+
+std::string textOfSteps()
+{
+    std::string text;
+    for (const Step* step : allSteps()) {
+        text += (text.empty() ? "" : "\n") + step->name() + "\n    " + step->help() + "\n";
+        for (const StepParameter& p : step->parameters()) {
+            std::string key = "    " + p.key + "=" + std::string(nameOf(p.type));
+            key.resize(std::max<std::size_t>(key.size() + 2, 28), ' ');
+            text += key + p.help;
+            if (!p.unit.empty()) text += " Unit: " + p.unit + ".";
+            if (!p.preset.empty())
+                text += " Default: " + p.preset + ".";
+            else
+                text += p.optional ? " Optional." : " Must be given.";
+            text += '\n';
+        }
+    }
+    return text;
+}
+
+/// Steps from the shell's words, where "--step normals k=16" may have come without quotation marks: a word that
+/// begins with a key belongs to the step before it.
+std::vector<std::string> joinedSteps(const std::vector<std::string>& words)
+{
+    std::vector<std::string> steps;
+    for (const std::string& word : words) {
+        const std::size_t equals = word.find('=');
+        const std::size_t space = word.find(' ');
+        if (equals == std::string::npos || equals > space || steps.empty())
+            steps.push_back(word);
+        else if (space == std::string::npos)
+            steps.back() += ' ' + word;
+        else
+            steps.back() += ' ' + word.substr(0, equals + 1) + '"' + word.substr(equals + 1) + '"';
+    }
+    return steps;
+}
+
+void runProcess(const ProcessOptions& options, Progress& progress)
+{
+    if (options.list) {
+        options.json ? printJson(jsonOfSteps()) : print(textOfSteps());
+        return;
+    }
+    // all that can be wrong is found before the first point is read
+    const std::vector<std::string> words = joinedSteps(options.steps);
+    std::vector<ParsedStep> steps;
+    for (const std::string& text : words) {
+        try {
+            steps.push_back(parseStep(text));
+            completeValues(*steps.back().step, steps.back().values);
+        } catch (const Error& error) {
+            throw UsageError(error.what());
+        }
+    }
+    checkCloudName(options.out);
+    const auto cloud = loadForWriting(options.in, options.out, progress);
+
+    Json report = Json::array();
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+        const auto start = std::chrono::steady_clock::now();
+        const auto command = steps[k].step->run(*cloud, steps[k].values, progress);
+        if (command) command->apply(*cloud);
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+        const PointIndex changed = command ? command->changedPoints() : 0;
+        report.push_back({{"step", words[k]}, {"points_changed", changed}, {"seconds", seconds.count()}});
+        if (!options.json) note(words[k] + ": " + grouped(changed) + " points changed.");
+    }
+    las::WriteOptions write;
+    write.compressed = las::isCompressedName(options.out);
+    write.verify = !options.noVerify;
+    reportWritten(las::write(*cloud, options.out, write, progress), options.out, options.json, {{"steps", report}});
+}
+
+}  // namespace
+
+void addProcess(CLI::App& root, Action& action)
+{
+    CLI::App& command = addCommand(root, "process",
+                                   "Run processing steps over a cloud, one after the other, and write "
+                                   "the result. --list-steps tells which steps there are.");
+    const auto options = std::make_shared<ProcessOptions>();
+    CLI::Option* in = command.add_option("IN", options->in, "LAS or LAZ file to read");
+    CLI::Option* out =
+        command.add_option("-o,--output", options->out, "File to write: .las or .laz")->type_name("OUT");
+    CLI::Option* steps = command
+                             .add_option("--step", options->steps,
+                                         "A step: its name, then key=value for each parameter, such as "
+                                         "--step \"normals k=16\"; may be given again for further steps")
+                             ->type_name("STEP");
+    command.add_flag("--no-verify", options->noVerify,
+                     "Do not read the written file back before it takes its name");
+    command.add_flag("--list-steps", options->list, "List all steps with their parameters, and do nothing else");
+    command.add_flag("--json", options->json, "Report in JSON");
+    command.callback([=, &action] {
+        if (!options->list) {
+            if (in->empty()) throw CLI::RequiredError("IN");
+            if (out->empty()) throw CLI::RequiredError("-o OUT");
+            if (steps->empty()) throw CLI::RequiredError("--step");
+        }
+        action = [options](Progress& p) { runProcess(*options, p); };
+    });
+}
+
+}  // namespace punctum::app

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+// punctum render: a picture of clouds, with no display and no GPU.
+#include "app/CameraFile.h"
+#include "app/Console.h"
+#include "app/Files.h"
+#include "app/Picture.h"
+#include "app/Renderer.h"
+#include "app/commands/Command.h"
+#include "core/Error.h"
+#include "core/task/Progress.h"
+#include "render/color/ColorMap.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+namespace punctum::app
+{
+
+namespace
+{
+
+struct RenderOptions {
+    std::vector<std::string> files;
+    std::string out;
+    std::string size = "1280x800";
+    std::string attribute;
+    std::string colorMap = "viridis";
+    std::string range;
+    std::string view;
+    std::string camera;
+    int samples = 4;
+    double pointSize = 1.0;
+    std::string backend = "auto";
+    std::string background;
+    bool bruteForce = false;
+    bool json = false;
+};
+
+/// The options with a grammar of their own, understood.
+struct RenderRequest {
+    RenderOptions options;
+    int width = 0;
+    int height = 0;
+    std::optional<std::pair<double, double>> range;
+    Background background;
+};
+
+std::pair<double, double> parseRange(const std::string& text)
+{
+    // the colon that parts the numbers; neither has one of its own
+    const std::size_t colon = text.find(':');
+    double low = 0;
+    double high = 0;
+    if (colon != std::string::npos && CLI::detail::lexical_cast(text.substr(0, colon), low) &&
+        CLI::detail::lexical_cast(text.substr(colon + 1), high) && std::isfinite(low) && std::isfinite(high) &&
+        low < high)
+        return {low, high};
+    throw std::invalid_argument("\"" + text + "\" is no range; write LOW:HIGH, the lower number first.");
+}
+
+std::string listOf(const PointCloud& cloud)
+{
+    std::string names;
+    for (const Attribute& attribute : cloud.attributes())
+        if (attribute.kind != AttributeKind::Opaque) names += (names.empty() ? "" : ", ") + attribute.name;
+    return names;
+}
+
+/// The attribute's name as the first cloud that has it spells it. Throws Error when none has.
+std::string findAttribute(const std::vector<DrawableCloud>& clouds, const std::string& name)
+{
+    for (const bool exact : {true, false})
+        for (const DrawableCloud& c : clouds)
+            for (const Attribute& attribute : c.cloud->attributes()) {
+                if (attribute.kind == AttributeKind::Opaque) continue;
+                const bool same = exact ? attribute.name == name
+                                        : CLI::detail::to_lower(attribute.name) == CLI::detail::to_lower(name);
+                if (same) return attribute.name;
+            }
+    throw Error("There is no attribute \"" + name + "\" to show; there are " + listOf(*clouds.front().cloud) + ".");
+}
+
+void runRender(const RenderRequest& request, Progress& progress)
+{
+    const auto start = std::chrono::steady_clock::now();
+    const RenderOptions& options = request.options;
+    if (const auto folder = std::filesystem::path(options.out).parent_path(); !std::filesystem::exists(options.out))
+        checkFolder(options.out);
+
+    HeadlessRenderer headless(options.backend);
+    std::vector<DrawableCloud> clouds;
+    WorldBounds bounds;
+    PointIndex points = 0;
+    for (const std::string& file : options.files) {
+        clouds.push_back(loadDrawable(file, progress));
+        const DrawableCloud& loaded = clouds.back();
+        for (const std::string& warning : loaded.warnings) note(warning);
+        if (loaded.cloud->size() == 0) continue;
+        bounds.include(loaded.cloud->coordinates().toWorld(loaded.bounds));
+        points += loaded.cloud->size();
+    }
+    if (points == 0) throw Error(options.files.front(), "There is no point to draw.");
+
+    render::ProgressiveRenderer& renderer = headless.renderer();
+    render::DisplaySettings display;
+    if (!options.attribute.empty()) display.attribute = findAttribute(clouds, options.attribute);
+    display.colorMap = options.colorMap;
+    display.range = request.range;
+    display.pointSize = options.pointSize;
+    display.samples = options.samples;
+    display.backgroundTop = request.background.top;
+    display.backgroundBottom = request.background.bottom;
+    renderer.setSize(request.width, request.height);
+    renderer.setDisplay(display);
+    for (const DrawableCloud& loaded : clouds) {
+        renderer.addCloud(loaded.store);
+        renderer.loadingEnded(*loaded.cloud, loaded.bounds);
+    }
+
+    const glm::dvec2 size(request.width, request.height);
+    render::Camera camera;
+    camera.setView(options.view.empty() ? "iso" : options.view);
+    camera.fit(bounds, size);
+    if (!options.camera.empty()) camera = readCamera(options.camera, camera, bounds, size);
+    renderer.setCamera(camera);
+
+    drawAll(renderer, options.bruteForce, progress);
+    const double covered = renderer.coveredShare();
+    progress.check();
+    writePng(renderer.image(), options.out);
+
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    if (options.json)
+        printJson({{"file", options.out},
+                   {"width", request.width},
+                   {"height", request.height},
+                   {"points", points},
+                   {"backend", render::nameOf(renderer.backend().kind())},
+                   {"device", renderer.backend().description()},
+                   {"attribute", renderer.shownAttribute()},
+                   {"range", {renderer.range().first, renderer.range().second}},
+                   {"covered", covered},
+                   {"camera", jsonOf(camera)},
+                   {"seconds", seconds.count()}});
+    else
+        print(options.out + ": " + std::to_string(request.width) + " x " + std::to_string(request.height) +
+              " px, " + grouped(points) + " points, " + renderer.shownAttribute() + "\n");
+}
+
+}  // namespace
+
+void addRender(CLI::App& root, Action& action)
+{
+    CLI::App& command =
+        addCommand(root, "render", "Draw clouds into one picture (PNG), with no display and no GPU.");
+    const auto options = std::make_shared<RenderOptions>();
+    std::vector<std::string> maps;
+    for (const render::ColorMap& map : render::colorMaps()) maps.push_back(map.name);
+
+    command.add_option("FILE", options->files, "LAS or LAZ files, drawn together")->required();
+    command.add_option("-o,--output", options->out, "Picture to write: .png")->required()->type_name("OUT.png");
+    command.add_option("--size", options->size, "Width and height in px; default 1280x800")->type_name("WxH");
+    command
+        .add_option("--attribute", options->attribute,
+                    "Attribute to show, such as Z, Intensity, Classification, RGB or an extra one; "
+                    "default: RGB if there are colors, else Intensity, Classification or Z")
+        ->type_name("NAME");
+    command
+        .add_option("--color-map", options->colorMap,
+                    "Colors of a quantity: " + CLI::detail::join(maps, ", ") + "; default viridis")
+        ->type_name("NAME")
+        ->check([maps](const std::string& name) {
+            return std::find(maps.begin(), maps.end(), name) != maps.end()
+                       ? std::string()
+                       : "There is no color map \"" + name + "\"; there are " + CLI::detail::join(maps, ", ") + ".";
+        });
+    command
+        .add_option("--range", options->range,
+                    "Values that get the first and last color; default: 2nd to 98th percentile")
+        ->type_name("LO:HI");
+    CLI::Option* view =
+        command.add_option("--view", options->view, "top, bottom, front, back, left, right or iso; default iso")
+            ->type_name("VIEW")
+            ->check(CLI::IsMember({"top", "bottom", "front", "back", "left", "right", "iso"}));
+    command
+        .add_option("--camera", options->camera,
+                    "JSON file with eye [x, y, z], yaw, pitch and fov in degrees, pivot [x, y, z], orthographic; "
+                    "without eye, the clouds fill the picture")
+        ->type_name("FILE.json")
+        ->excludes(view);
+    command.add_option("--samples", options->samples, "Samples a pixel: 1 or 4; default 4")
+        ->type_name("N")
+        ->check([](const std::string& n) {
+            if (n == "1" || n == "4") return std::string();
+            if (n == "8" || n == "16")
+                return std::string("8 and 16 samples are not there in this version; use 1 or 4.");
+            return std::string("A pixel has 1 or 4 samples.");
+        });
+    command.add_option("--point-size", options->pointSize, "Edge of a point in px, 0.1 to 64; default 1")
+        ->type_name("PX")
+        ->check(CLI::Range(0.1, 64.0));
+    addBackendOption(command, options->backend);
+    command
+        .add_option("--background", options->background,
+                    "A color (white, #202830), transparent, or TOP:BOTTOM for a gradient")
+        ->type_name("COLOR");
+    command.add_flag("--brute-force", options->bruteForce, "Draw all points in one pass: the reference picture");
+    command.add_flag("--json", options->json, "Report in JSON, with the camera");
+    command.callback([options, &action] {
+        RenderRequest request;
+        request.options = *options;
+        try {
+            std::tie(request.width, request.height) = parseSize(options->size);
+            if (!options->range.empty()) request.range = parseRange(options->range);
+            if (!options->background.empty()) request.background = parseBackground(options->background);
+            if (CLI::detail::to_lower(std::filesystem::path(options->out).extension().string()) != ".png")
+                throw std::invalid_argument("The picture to write, " + options->out + ", must end in .png.");
+        } catch (const std::invalid_argument& wrong) {
+            throw CLI::ValidationError(wrong.what());
+        }
+        action = [request](Progress& p) { runRender(request, p); };
+    });
+}
+
+}  // namespace punctum::app
