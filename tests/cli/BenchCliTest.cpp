@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// punctum bench: the keys that the documents promise, with figures that can be true.
+#include "tests/cli/Program.h"
+
+#include <QTemporaryDir>
+
+using namespace punctum::test;
+
+namespace
+{
+
+/// Whether this is {"median", "min", "max"} in order, all of them at least `least`.
+bool isFigure(const QJsonValue& value, double least = 0)
+{
+    const double low = value["min"].toDouble(-1);
+    const double middle = value["median"].toDouble(-1);
+    const double high = value["max"].toDouble(-1);
+    return low >= least && low <= middle && middle <= high;
+}
+
+}  // namespace
+
+class BenchCliTest : public QObject
+{
+    Q_OBJECT
+
+private:
+    QTemporaryDir m_folder;
+    QString path(const QString& name) const { return m_folder.filePath(name); }
+
+private slots:
+    void initTestCase()
+    {
+        PUNCTUM_EXIT(punctum({"sample", path("in.las"), "--points", "200000"}), 0);
+        PUNCTUM_EXIT(punctum({"convert", path("in.las"), path("in.laz")}), 0);
+    }
+
+    void measuresLoading()
+    {
+        for (const char* name : {"in.las", "in.laz"}) {
+            const Outcome run = punctum({"bench", "load", path(name), "--json", "--rounds", "3"});
+            PUNCTUM_EXIT(run, 0);
+            const QJsonObject figures = run.json().object();
+            QCOMPARE(figures["points"].toInt(), 200'000);
+            for (const char* key : {"seconds", "mpts_per_s", "first_image_ms"})
+                QVERIFY2(isFigure(figures[key], 1e-6), key);
+            QVERIFY(isFigure(figures["rss_bytes_per_point"]));
+            const bool laz = QString(name).endsWith(".laz");
+            QCOMPARE(figures.contains("laszip_loop_mpts_per_s"), laz);
+            QCOMPARE(figures.contains("ratio_to_laszip_loop"), laz);
+            QCOMPARE(figures.contains("bare_deinterleave_mpts_per_s"), !laz);
+        }
+    }
+
+    void measuresDrawing()
+    {
+        const Outcome run =
+            punctum({"bench", "render", path("in.las"), "--json", "--rounds", "1", "--size", "320x200"});
+        PUNCTUM_EXIT(run, 0);
+        const QJsonObject figures = run.json().object();
+        for (const char* key : {"brute_force_ms", "mpts_per_s", "converge_ms"})
+            QVERIFY2(isFigure(figures[key], 1e-6), key);
+        for (const char* key : {"frame_ms", "frame_ms_p95"}) QVERIFY2(isFigure(figures["orbit"][key], 1e-6), key);
+        QVERIFY(isFigure(figures["orbit"]["coverage"], 0.5));
+        QVERIFY(figures["orbit"]["coverage"]["max"].toDouble() <= 1.001);
+        QCOMPARE(figures["idle_frames"]["max"].toInt(), 0);
+        QCOMPARE(figures["backend"].toString(), QString("cpu"));
+    }
+
+    void measuresTheRest_data()
+    {
+        QTest::addColumn<QStringList>("arguments");
+        QTest::addColumn<QStringList>("keys");
+        QTest::newRow("save") << QStringList{"save", "--as", "laz"} << QStringList{"seconds", "mpts_per_s"};
+        QTest::newRow("attribute") << QStringList{"attribute"}
+                                   << QStringList{"switch_visible_ms", "switch_all_ms", "mpts_per_s"};
+        QTest::newRow("edit") << QStringList{"edit"} << QStringList{"points_changed", "visible_ms", "undo_ms"};
+        QTest::newRow("process") << QStringList{"process", "--step", "reclassify attribute=Z min=0 max=1 class=2"}
+                                 << QStringList{"seconds", "mpts_per_s"};
+    }
+    void measuresTheRest()
+    {
+        QFETCH(QStringList, arguments);
+        QFETCH(QStringList, keys);
+        const Outcome run =
+            punctum(QStringList{"bench"} + arguments + QStringList{path("in.las"), "--json", "--rounds", "3"});
+        PUNCTUM_EXIT(run, 0);
+        QCOMPARE(run.json()["points"].toInt(), 200'000);
+        for (const QString& key : keys) QVERIFY2(isFigure(run.json()[key], 1e-9), qPrintable(key));
+    }
+
+    void printsText()
+    {
+        const Outcome run = punctum({"bench", "load", path("in.las"), "--rounds", "1"});
+        PUNCTUM_EXIT(run, 0);
+        QVERIFY(run.out.contains("mpts_per_s"));
+    }
+};
+
+QTEST_GUILESS_MAIN(BenchCliTest)
+#include "BenchCliTest.moc"

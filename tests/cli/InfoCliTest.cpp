@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+// punctum info on every real file: counts, attributes and ranges against LASzip's own reading.
+#include "tests/cli/LaszipPoints.h"
+#include "tests/cli/Program.h"
+
+#include <QJsonArray>
+#include <QTemporaryDir>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+using namespace punctum::test;
+
+namespace
+{
+
+struct Range {
+    double min = std::numeric_limits<double>::infinity();
+    double max = -std::numeric_limits<double>::infinity();
+    double sum = 0;
+};
+
+bool near(double a, double b, double relative)
+{
+    return std::abs(a - b) <= relative * (1.0 + std::abs(b));
+}
+
+/// Name, type code and options of the extra bytes that a file of VLRs describes (LAS 1.4 R15, table 24).
+struct Extra {
+    QString name;
+    int type = 0;
+    int options = 0;
+};
+
+std::vector<Extra> extraBytes(const QString& path)
+{
+    const QByteArray file = contentOf(path);
+    const auto u16 = [&](qsizetype at) { return quint16(quint8(file[at]) | quint8(file[at + 1]) << 8); };
+    std::vector<Extra> all;
+    qsizetype at = u16(94);
+    const int count = u16(100);
+    for (int k = 0; k < count && at + 54 <= file.size(); ++k) {
+        const qsizetype length = u16(at + 20);
+        if (qstrncmp(file.constData() + at + 2, "LASF_Spec", 16) == 0 && u16(at + 18) == 4)
+            for (qsizetype d = at + 54; d + 192 <= at + 54 + length; d += 192) {
+                const QByteArray name = file.mid(d + 4, 32);
+                all.push_back({QString::fromUtf8(name.left(qstrnlen(name.constData(), 32))), quint8(file[d + 2]),
+                               quint8(file[d + 3])});
+            }
+        at += 54 + length;
+    }
+    return all;
+}
+
+}  // namespace
+
+class InfoCliTest : public QObject
+{
+    Q_OBJECT
+
+private slots:
+    void tellsWhatLaszipReads_data()
+    {
+        QTest::addColumn<QString>("path");
+        for (const QString& name : realFiles())
+            if (!name.startsWith("broken_")) QTest::newRow(qPrintable(name)) << realFile(name);
+        if (realFiles().isEmpty()) QTest::newRow("autzen_trim.laz and the others") << QString();
+    }
+    void tellsWhatLaszipReads()
+    {
+        QFETCH(QString, path);
+        if (path.isEmpty()) QSKIP("There is no folder of real files here.");
+        const LaszipFile file(path);
+        QVERIFY(file.good());
+        std::map<std::string, Range> ranges;
+        std::vector<std::string> names;
+        const std::uint64_t count = file.forEach([&](const laszip_point_struct& p) {
+            const auto numbers = numbersOf(p, file);
+            if (names.empty())
+                for (const auto& number : numbers) names.push_back(number.first);
+            for (const auto& [name, value] : numbers) {
+                Range& range = ranges[name];
+                range.min = std::min(range.min, value);
+                range.max = std::max(range.max, value);
+                range.sum += value;
+            }
+        });
+        QVERIFY(count > 0);
+
+        const Outcome run = punctum({"info", "--json", path});
+        PUNCTUM_EXIT(run, 0);
+        const QJsonObject info = run.json().object();
+        QCOMPARE(info["file"].toString(), path);
+        QCOMPARE(quint64(info["points"].toDouble()), quint64(count));
+        QCOMPARE(info["las_version"].toString(), "1." + QString::number(file.version()));
+        QCOMPARE(info["point_format"].toInt(), file.format());
+        QCOMPARE(info["record_length"].toInt(), file.recordLength());
+        QCOMPARE(info["compressed"].toBool(), path.endsWith(".laz"));
+        for (int axis = 0; axis < 3; ++axis) {
+            QCOMPARE(info["scale"][axis].toDouble(), file.scale(axis));
+            QCOMPARE(info["offset"][axis].toDouble(), file.offset(axis));
+            const Range& range = ranges[std::string(1, "XYZ"[axis])];
+            QVERIFY(near(info["min"][axis].toDouble(), range.min, 1e-12));
+            QVERIFY(near(info["max"][axis].toDouble(), range.max, 1e-12));
+        }
+        const QJsonArray vlrs = info["vlrs"].toArray();
+        const auto plain = std::count_if(vlrs.begin(), vlrs.end(),
+                                         [](const auto& v) { return !v.toObject()["extended"].toBool(); });
+        QCOMPARE(quint32(plain), file.records());
+        QVERIFY(info["warnings"].isArray());
+
+        std::vector<std::string> listed;
+        for (const auto& entry : info["attributes"].toArray()) {
+            const QJsonObject attribute = entry.toObject();
+            const std::string name = attribute["name"].toString().toStdString();
+            if (attribute["standard"].toBool() && name != "RGB") listed.push_back(name);
+            if (!ranges.contains(name) || !attribute["standard"].toBool()) continue;
+            const Range& range = ranges[name];
+            QCOMPARE(attribute["components"].toInt(), 1);
+            QVERIFY2(near(attribute["min"].toDouble(), range.min, 1e-12), name.c_str());
+            QVERIFY2(near(attribute["max"].toDouble(), range.max, 1e-12), name.c_str());
+            QVERIFY2(near(attribute["mean"].toDouble(), range.sum / double(count), 1e-9), name.c_str());
+        }
+        std::sort(names.begin(), names.end());
+        std::sort(listed.begin(), listed.end());
+        QCOMPARE(listed, names);
+    }
+
+    void namesDescribedExtraBytes_data()
+    {
+        QTest::addColumn<QString>("path");
+        for (const char* name : {"extrabytes.las", "extra.laz", "lion_takanawa.copc.laz"})
+            QTest::newRow(name) << realFile(name);
+    }
+    void namesDescribedExtraBytes()
+    {
+        QFETCH(QString, path);
+        if (!QFile::exists(path)) QSKIP("The file is not here.");
+        const auto described = extraBytes(path);
+        QVERIFY(!described.empty());
+        const Outcome run = punctum({"info", "--json", path});
+        PUNCTUM_EXIT(run, 0);
+        std::map<QString, QJsonObject> extra;
+        for (const auto& entry : run.json()["attributes"].toArray())
+            if (!entry.toObject()["standard"].toBool())
+                extra[entry.toObject()["name"].toString()] = entry.toObject();
+        const char* types[] = {"uint8", "int8",   "uint16", "int16",   "uint32",
+                               "int32", "uint64", "int64",  "float32", "float64"};
+        for (const Extra& e : described) {
+            if (e.type < 1 || e.type > 10) continue;
+            // a name the format has already gets a remark behind it
+            const auto found = extra.contains(e.name) ? e.name : e.name + " (extra)";
+            QVERIFY2(extra.contains(found), qPrintable(e.name));
+            QCOMPARE(extra[found]["type"].toString(), QString(types[e.type - 1]));
+            QVERIFY(!extra[found]["min"].isUndefined());
+        }
+    }
+
+    void keepsIntegersOf64Bits()
+    {
+        // 2^53 + 1 and 2^64 - 1 have no double of their own: JSON must have their digits
+        const QString path = realFile("extrabytes.las");
+        if (!QFile::exists(path)) QSKIP("extrabytes.las is not here.");
+        QTemporaryDir folder;
+        QByteArray bytes = contentOf(path);
+        std::uint32_t pointOffset = 0;
+        std::memcpy(&pointOffset, bytes.constData() + 96, 4);
+        int recordLength = 0;
+        std::memcpy(&recordLength, bytes.constData() + 105, 2);
+        const auto described = extraBytes(path);
+        const auto wide =
+            std::find_if(described.begin(), described.end(), [](const Extra& e) { return e.type == 7; });
+        if (wide == described.end()) {
+            // give it one: describe the first eight bytes anew as uint64
+            const qsizetype vlr = bytes.indexOf("LASF_Spec");
+            QVERIFY(vlr > 0);
+            const qsizetype descriptor = vlr - 2 + 54;
+            bytes[descriptor + 2] = 7;
+            bytes[descriptor + 3] = 0;
+        }
+        const int format = quint8(bytes[104]) & 0x3F;
+        const int standard[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+        if (wide != described.end()) QSKIP("The file's layout is another than this test knows.");
+        QVERIFY(recordLength - standard[format] >= 8);
+        const quint64 values[] = {(quint64(1) << 53) + 1, ~quint64(0)};
+        const qsizetype points = (bytes.size() - pointOffset) / recordLength;
+        for (qsizetype k = 0; k < points; ++k)
+            std::memcpy(bytes.data() + pointOffset + k * recordLength + standard[format], &values[k % 2], 8);
+        QFile changed(folder.filePath("wide.las"));
+        QVERIFY(changed.open(QIODevice::WriteOnly) && changed.write(bytes) == bytes.size());
+        changed.close();
+        const Outcome run = punctum({"info", "--json", changed.fileName()});
+        PUNCTUM_EXIT(run, 0);
+        QVERIFY2(run.out.contains("\"min\": 9007199254740993"), run.out);
+        QVERIFY2(run.out.contains("\"max\": 18446744073709551615"), run.out);
+    }
+
+    void refusesBrokenFiles_data()
+    {
+        QTest::addColumn<QString>("path");
+        for (const char* name : {"broken_type.laz", "broken_version.laz"}) QTest::newRow(name) << realFile(name);
+    }
+    void refusesBrokenFiles()
+    {
+        QFETCH(QString, path);
+        if (!QFile::exists(path)) QSKIP("The file is not here.");
+        for (const QStringList& arguments : {QStringList{"info", path}, QStringList{"info", "--json", path}}) {
+            const Outcome run = punctum(arguments);
+            PUNCTUM_EXIT(run, 1);
+            QVERIFY2(run.oneSentence(), run.said());
+            QVERIFY(run.err.contains(QFileInfo(path).fileName()));
+            QVERIFY(run.out.isEmpty());
+        }
+    }
+
+    void givesAnArrayForSeveralFiles()
+    {
+        QTemporaryDir folder;
+        PUNCTUM_EXIT(punctum({"sample", folder.filePath("a.las"), "--points", "1000"}), 0);
+        PUNCTUM_EXIT(punctum({"sample", folder.filePath("b.laz"), "--points", "2000"}), 0);
+        Outcome run = punctum({"info", "--json", "a.las", "b.laz"}, folder.path());
+        PUNCTUM_EXIT(run, 0);
+        QVERIFY(run.json().isArray());
+        QCOMPARE(run.json()[0]["points"].toInt(), 1000);
+        QCOMPARE(run.json()[1]["file"].toString(), QString("b.laz"));
+
+        // one that cannot be read does not hide the other
+        run = punctum({"info", "--json", "a.las", "missing.las", "b.laz"}, folder.path());
+        PUNCTUM_EXIT(run, 1);
+        QVERIFY(run.oneSentence());
+        QCOMPARE(run.json().array().size(), 2);
+    }
+
+    void printsText()
+    {
+        QTemporaryDir folder;
+        PUNCTUM_EXIT(punctum({"sample", folder.filePath("a.las"), "--points", "12345"}), 0);
+        const Outcome run = punctum({"info", folder.filePath("a.las")});
+        PUNCTUM_EXIT(run, 0);
+        for (const char* part : {"12,345", "LAS 1.4, point format 7", "Classification", "GpsTime", "Reflectance"})
+            QVERIFY2(run.out.contains(part), part);
+    }
+};
+
+QTEST_GUILESS_MAIN(InfoCliTest)
+#include "InfoCliTest.moc"

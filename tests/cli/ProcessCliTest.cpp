@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+// punctum process: steps in order, and a file that has their results.
+#include "tests/cli/LaszipPoints.h"
+#include "tests/cli/Program.h"
+
+#include <QJsonArray>
+#include <QTemporaryDir>
+
+#include <cmath>
+
+using namespace punctum::test;
+
+class ProcessCliTest : public QObject
+{
+    Q_OBJECT
+
+private:
+    QTemporaryDir m_folder;
+    QString path(const QString& name) const { return m_folder.filePath(name); }
+
+private slots:
+    void initTestCase() { PUNCTUM_EXIT(punctum({"sample", path("in.las"), "--points", "30000"}), 0); }
+
+    void reclassifiesARange()
+    {
+        const Outcome run = punctum({"process", path("in.las"), "-o", path("out.laz"), "--json", "--step",
+                                     "reclassify attribute=Intensity min=1000 max=20000 class=12"});
+        PUNCTUM_EXIT(run, 0);
+        const LaszipFile before(path("in.las"));
+        const LaszipFile after(path("out.laz"));
+        struct Seen {
+            int intensity;
+            int code;
+        };
+        std::vector<Seen> old;
+        before.forEach([&](const laszip_point_struct& p) {
+            old.push_back({p.intensity, p.extended_classification});
+        });
+        std::size_t k = 0;
+        std::size_t wrong = 0;
+        int changed = 0;
+        after.forEach([&](const laszip_point_struct& p) {
+            const bool inside = old[k].intensity >= 1000 && old[k].intensity <= 20000;
+            const int expected = inside ? 12 : old[k].code;
+            wrong += p.extended_classification != expected;
+            changed += expected != old[k].code;
+            ++k;
+        });
+        QCOMPARE(k, old.size());
+        QCOMPARE(wrong, std::size_t(0));
+        QVERIFY(changed > 0);
+        QCOMPARE(run.json()["steps"][0]["points_changed"].toInt(), changed);
+        QCOMPARE(run.json()["points"].toInt(), 30000);
+    }
+
+    void addsNormalsThatLookUp()
+    {
+        PUNCTUM_EXIT(punctum({"process", path("in.las"), "-o", path("normals.las"), "--step", "normals k=12"}), 0);
+        const Outcome info = punctum({"info", "--json", path("normals.las")});
+        PUNCTUM_EXIT(info, 0);
+        std::map<QString, QJsonObject> attributes;
+        for (const auto& a : info.json()["attributes"].toArray())
+            attributes[a.toObject()["name"].toString()] = a.toObject();
+        for (const char* name : {"NormalX", "NormalY", "NormalZ"}) QVERIFY2(attributes.contains(name), name);
+        QVERIFY(attributes["NormalZ"]["min"].toDouble() >= 0);
+        QVERIFY(attributes["NormalZ"]["max"].toDouble() <= 1.0001);
+        QVERIFY(attributes["NormalZ"]["mean"].toDouble() > 0.5);  // a landscape is mostly flat
+        // what was there before is there still
+        const LaszipFile before(path("in.las"));
+        const LaszipFile after(path("normals.las"));
+        QCOMPARE(after.recordLength(), before.recordLength() + 12);
+    }
+
+    void marksOutliersThenReclassifies()
+    {
+        // in order: what the first step made 7 the second one makes 18; unquoted, as a shell may hand it over
+        const Outcome run = punctum({"process", path("in.las"), "--step", "outliers", "k=8", "deviations=1.0",
+                                     "class=7", "--step", "reclassify", "attribute=Classification", "min=7",
+                                     "max=7", "class=18", "-o", path("two.las")});
+        PUNCTUM_EXIT(run, 0);
+        int sevens = 0;
+        int eighteens = 0;
+        LaszipFile(path("two.las")).forEach([&](const laszip_point_struct& p) {
+            sevens += p.extended_classification == 7;
+            eighteens += p.extended_classification == 18;
+        });
+        QCOMPARE(sevens, 0);
+        QVERIFY(eighteens > 0 && eighteens < 15000);
+    }
+
+    void listsItsSteps()
+    {
+        const Outcome text = punctum({"process", "--list-steps"});
+        PUNCTUM_EXIT(text, 0);
+        for (const char* name : {"normals", "outliers", "reclassify", "deviations=", "radius="})
+            QVERIFY2(text.out.contains(name), name);
+        const Outcome json = punctum({"process", "--list-steps", "--json"});
+        PUNCTUM_EXIT(json, 0);
+        const QJsonArray steps = json.json().array();
+        QVERIFY(steps.size() >= 3);
+        for (const auto& step : steps) {
+            QVERIFY(!step.toObject()["help"].toString().isEmpty());
+            QVERIFY(!step.toObject()["parameters"].toArray().isEmpty());
+        }
+    }
+
+    void saysWhatIsWrong_data()
+    {
+        QTest::addColumn<QString>("step");
+        QTest::addColumn<int>("exitCode");
+        QTest::newRow("unknown step") << "polish k=3" << 2;
+        QTest::newRow("unknown key") << "normals neighbours=3" << 2;
+        QTest::newRow("value out of bounds") << "normals k=-1" << 2;
+        QTest::newRow("not a number") << "normals k=many" << 2;
+        QTest::newRow("value missing") << "reclassify attribute=Z min=1 max=2" << 2;
+        QTest::newRow("unknown attribute") << "reclassify attribute=Zest min=1 max=2 class=3" << 1;
+    }
+    void saysWhatIsWrong()
+    {
+        QFETCH(QString, step);
+        QFETCH(int, exitCode);
+        const Outcome run = punctum({"process", path("in.las"), "-o", path("wrong.las"), "--step", step});
+        PUNCTUM_EXIT(run, exitCode);
+        QVERIFY2(run.oneSentence(), run.said());
+        QVERIFY(!QFile::exists(path("wrong.las")));
+    }
+};
+
+QTEST_GUILESS_MAIN(ProcessCliTest)
+#include "ProcessCliTest.moc"

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+// punctum render: the picture shows the cloud, from where it was asked for, in the colors asked for.
+#include "tests/cli/Program.h"
+
+#include <QImage>
+#include <QTemporaryDir>
+
+#include <algorithm>
+#include <set>
+
+using namespace punctum::test;
+
+namespace
+{
+
+QImage pictureOf(const QString& path)
+{
+    return QImage(path).convertToFormat(QImage::Format_RGBA8888);
+}
+
+/// Share of pixels that are not fully transparent.
+double coveredShare(const QImage& picture)
+{
+    qint64 covered = 0;
+    for (int y = 0; y < picture.height(); ++y)
+        for (int x = 0; x < picture.width(); ++x) covered += qAlpha(picture.pixel(x, y)) != 0;
+    return double(covered) / double(picture.width()) / picture.height();
+}
+
+}  // namespace
+
+class RenderCliTest : public QObject
+{
+    Q_OBJECT
+
+private:
+    QTemporaryDir m_folder;
+    QString path(const QString& name) const { return m_folder.filePath(name); }
+
+    /// Renders the survey at 640x400 onto nothing; a null picture when that failed.
+    QImage render(const QString& name, const QStringList& more)
+    {
+        const QString out = path(name);
+        const Outcome run = punctum(
+            QStringList{"render", path("in.las"), "-o", out, "--size", "640x400", "--background", "transparent"} +
+            more);
+        if (run.exitCode != 0) qWarning("%s", run.said().constData());
+        return run.exitCode == 0 ? pictureOf(out) : QImage();
+    }
+
+private slots:
+    void initTestCase() { PUNCTUM_EXIT(punctum({"sample", path("in.las"), "--points", "400000"}), 0); }
+
+    void showsARealCloud()
+    {
+        const QString file = realFile("autzen_trim.laz");
+        if (!QFile::exists(file)) QSKIP("autzen_trim.laz is not here.");
+        const Outcome run = punctum({"render", file, "-o", path("autzen.png"), "--background", "transparent"});
+        PUNCTUM_EXIT(run, 0);
+        const QImage picture = pictureOf(path("autzen.png"));
+        QCOMPARE(picture.size(), QSize(1280, 800));
+        const double covered = coveredShare(picture);
+        QVERIFY2(covered > 0.05 && covered < 0.95, qPrintable(QString::number(covered)));
+        std::set<QRgb> colors;
+        for (int y = 0; y < 800; ++y)
+            for (int x = 0; x < 1280; ++x) colors.insert(picture.pixel(x, y));
+        QVERIFY(colors.size() > 500);
+    }
+
+    void fillsThePictureWithTheCloud()
+    {
+        const QImage picture = render("plain.png", {"--samples", "1"});
+        QCOMPARE(picture.size(), QSize(640, 400));
+        const double covered = coveredShare(picture);
+        QVERIFY2(covered > 0.1 && covered < 0.9, qPrintable(QString::number(covered)));
+        QCOMPARE(qAlpha(picture.pixel(0, 0)), 0);
+        QVERIFY(qAlpha(picture.pixel(320, 200)) != 0);
+    }
+
+    void convergesToTheBruteForcePicture_data()
+    {
+        QTest::addColumn<QStringList>("options");
+        QTest::newRow("1 sample") << QStringList{"--samples", "1"};
+        QTest::newRow("4 samples") << QStringList{"--samples", "4"};
+        QTest::newRow("large points") << QStringList{"--samples", "1", "--point-size", "3.5"};
+        QTest::newRow("a quantity") << QStringList{"--samples", "4", "--attribute", "Z", "--view", "front"};
+    }
+    void convergesToTheBruteForcePicture()
+    {
+        QFETCH(QStringList, options);
+        const QImage converged = render("converged.png", options);
+        const QImage reference = render("reference.png", options + QStringList{"--brute-force"});
+        QVERIFY(!converged.isNull() && !reference.isNull());
+        QVERIFY(converged == reference);
+    }
+
+    void drawsTheSameByOpenGl_data()
+    {
+        QTest::addColumn<QString>("samples");
+        QTest::newRow("1 sample") << "1";
+        QTest::newRow("4 samples") << "4";
+    }
+    void drawsTheSameByOpenGl()
+    {
+        QFETCH(QString, samples);
+        const QStringList options{"--samples", samples, "--point-size", "2"};
+        const QImage cpu = render("cpu.png", options + QStringList{"--backend", "cpu"});
+        const Outcome run = punctum(QStringList{"render", path("in.las"), "-o", path("gl.png"), "--size", "640x400",
+                                                "--background", "transparent", "--backend", "gl-points"} +
+                                    options);
+        if (run.exitCode == 1 && run.err.contains("OpenGL") && run.err.contains("no"))
+            QSKIP(qPrintable("This machine has no OpenGL to test: " + run.err));
+        PUNCTUM_EXIT(run, 0);
+        const QImage gl = pictureOf(path("gl.png"));
+        qint64 covered = 0;
+        qint64 different = 0;
+        for (int y = 0; y < 400; ++y)
+            for (int x = 0; x < 640; ++x) {
+                if (qAlpha(cpu.pixel(x, y)) == 0 && qAlpha(gl.pixel(x, y)) == 0) continue;
+                ++covered;
+                different += cpu.pixel(x, y) != gl.pixel(x, y);
+            }
+        // Points whose edge passes a sample within the rounding of the GPU's fixed-point positions (1/256 px), and
+        // points of nearly the same depth, may fall the other way: measured well below 1 % of the covered pixels.
+        QVERIFY(covered > 10'000);
+        QVERIFY2(different * 100 <= covered, qPrintable(QString("%1 of %2").arg(different).arg(covered)));
+    }
+
+    void looksFromWhereItIsTold()
+    {
+        std::vector<QImage> pictures;
+        for (const char* view : {"top", "front", "left", "iso"}) {
+            pictures.push_back(render(QString(view) + ".png", {"--view", view, "--samples", "1"}));
+            QVERIFY2(coveredShare(pictures.back()) > 0.01, view);
+        }
+        for (std::size_t a = 0; a < pictures.size(); ++a)
+            for (std::size_t b = a + 1; b < pictures.size(); ++b) QVERIFY(pictures[a] != pictures[b]);
+        QVERIFY(coveredShare(pictures[0]) > coveredShare(pictures[1]));  // a survey is flat: more to see from above
+    }
+
+    void takesACameraThatItGave()
+    {
+        const QStringList common{"render", path("in.las"), "--size", "320x200", "--samples", "1", "--json", "-o"};
+        const Outcome first = punctum(common + QStringList{path("a.png"), "--view", "left"});
+        PUNCTUM_EXIT(first, 0);
+        QCOMPARE(first.json()["width"].toInt(), 320);
+        QVERIFY(first.json()["covered"].toDouble() > 0.01);
+        QFile camera(path("camera.json"));
+        QVERIFY(camera.open(QIODevice::WriteOnly));
+        camera.write(QJsonDocument(first.json()["camera"].toObject()).toJson());
+        camera.close();
+        PUNCTUM_EXIT(punctum(common + QStringList{path("b.png"), "--camera", path("camera.json")}), 0);
+        QVERIFY(pictureOf(path("a.png")) == pictureOf(path("b.png")));
+    }
+
+    void refusesCamerasThatAreNone_data()
+    {
+        QTest::addColumn<QByteArray>("content");
+        QTest::newRow("not JSON") << QByteArray("eye 1 2 3");
+        QTest::newRow("empty") << QByteArray();
+        QTest::newRow("a list") << QByteArray("[1, 2, 3]");
+        QTest::newRow("two numbers") << QByteArray("{\"eye\": [1, 2]}");
+        QTest::newRow("unknown key") << QByteArray("{\"yaw\": 3, \"roll\": 5}");
+        QTest::newRow("text for a number") << QByteArray("{\"pitch\": \"down\"}");
+        QTest::newRow("out of bounds") << QByteArray("{\"fov\": 190}");
+    }
+    void refusesCamerasThatAreNone()
+    {
+        QFETCH(QByteArray, content);
+        QFile camera(path("wrong.json"));
+        QVERIFY(camera.open(QIODevice::WriteOnly) && camera.write(content) == content.size());
+        camera.close();
+        const Outcome run =
+            punctum({"render", path("in.las"), "-o", path("wrong.png"), "--camera", path("wrong.json")});
+        PUNCTUM_EXIT(run, 1);
+        QVERIFY2(run.oneSentence(), run.said());
+        QVERIFY(!QFile::exists(path("wrong.png")));
+    }
+
+    void colorsByAttributeMapAndRange()
+    {
+        const QStringList base{"--view", "top", "--samples", "1"};
+        const QImage rgb = render("rgb.png", base);
+        const QImage height = render("height.png", base + QStringList{"--attribute", "Z"});
+        const QImage lower = render("lower.png", base + QStringList{"--attribute", "z"});
+        const QImage grey = render("grey.png", base + QStringList{"--attribute", "Z", "--color-map", "grey"});
+        const QImage narrow =
+            render("narrow.png", base + QStringList{"--attribute", "Z", "--range", "-9000:-8000"});
+        QVERIFY(rgb != height && height != grey && height != narrow);
+        QVERIFY(height == lower);  // however the name is spelt
+        bool allGrey = true;
+        std::set<QRgb> narrowColors;
+        for (int y = 0; y < grey.height(); ++y)
+            for (int x = 0; x < grey.width(); ++x) {
+                const QRgb g = grey.pixel(x, y);
+                if (qAlpha(g) != 0) allGrey = allGrey && qRed(g) == qGreen(g) && qGreen(g) == qBlue(g);
+                if (qAlpha(narrow.pixel(x, y)) != 0) narrowColors.insert(narrow.pixel(x, y));
+            }
+        QVERIFY(allGrey);
+        QCOMPARE(narrowColors.size(), std::size_t(1));  // everything lies above: one color
+
+        const Outcome run = punctum({"render", path("in.las"), "-o", path("no.png"), "--attribute", "Zest"});
+        PUNCTUM_EXIT(run, 1);
+        QVERIFY2(run.oneSentence() && run.err.contains("Intensity"), run.said());
+    }
+
+    void paintsTheBackground()
+    {
+        const auto corner = [this](const QString& background, bool bottom) {
+            punctum({"render", path("in.las"), "-o", path("background.png"), "--size", "200x100", "--view", "top",
+                     "--background", background});
+            const QImage picture = pictureOf(path("background.png"));
+            return picture.pixel(0, bottom ? 99 : 0);
+        };
+        QCOMPARE(corner("white", false), qRgba(255, 255, 255, 255));
+        QCOMPARE(corner("#102030", true), qRgba(16, 32, 48, 255));
+        QCOMPARE(corner("red:blue", false), qRgba(255, 0, 0, 255));
+        QCOMPARE(corner("red:blue", true), qRgba(0, 0, 255, 255));
+        QCOMPARE(qAlpha(corner("transparent", false)), 0);
+    }
+
+    void drawsSeveralFilesTogether()
+    {
+        const QString first = realFile("bcts_1.laz");
+        const QString second = realFile("bcts_2.laz");
+        if (!QFile::exists(first) || !QFile::exists(second)) QSKIP("bcts_1.laz and bcts_2.laz are not here.");
+        const Outcome run = punctum({"render", first, second, "-o", path("both.png"), "--view", "top", "--size",
+                                     "400x300", "--json", "--samples", "1", "--background", "transparent"});
+        PUNCTUM_EXIT(run, 0);
+        double points = 0;
+        for (const QString& file : {first, second}) {
+            const Outcome info = punctum({"info", "--json", file});
+            points += info.json()["points"].toDouble();
+        }
+        QCOMPARE(run.json()["points"].toDouble(), points);
+        QVERIFY(coveredShare(pictureOf(path("both.png"))) > 0.1);
+    }
+
+    void writesThePictureWholeOrNotAtAll()
+    {
+        QDir().mkdir(path("full"));
+        const QString command = QString("ulimit -f 2; exec '%1' render ../in.las -o out.png").arg(PUNCTUM_PROGRAM);
+        const Outcome run = runProgram("/bin/bash", {"-c", command}, path("full"));
+        PUNCTUM_EXIT(run, 1);
+        QVERIFY2(run.oneSentence(), run.said());
+        QVERIFY(QDir(path("full")).isEmpty(QDir::AllEntries | QDir::Hidden | QDir::NoDotAndDotDot));
+
+        const Outcome pipe = punctum({"render", path("in.las"), "-o", "/dev/stdout.png"});
+        PUNCTUM_EXIT(pipe, 1);
+    }
+};
+
+QTEST_GUILESS_MAIN(RenderCliTest)
+#include "RenderCliTest.moc"
