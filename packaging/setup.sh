@@ -124,7 +124,7 @@ case " $missing " in
 esac
 for package in $missing; do
     available "$package" ||
-        fail "this system offers no package $package. On Ubuntu, enable 'universe'; older systems than Debian 12 will not do."
+        fail "there is no package $package. Is the network up? On Ubuntu, enable 'universe'. Systems older than Debian 12 will not do."
 done
 
 say "installing (about two minutes, longer on a slow network)"
