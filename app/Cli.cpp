@@ -2,6 +2,7 @@
 #include "app/Cli.h"
 
 #include "app/Console.h"
+#include "app/HelpFormatter.h"
 #include "app/Interrupt.h"
 #include "app/commands/Command.h"
 #include "core/Error.h"
@@ -26,7 +27,7 @@ void describe(CLI::App& root, Action& action)
         "The commands below need no display. A file with the name of a command is written ./info.");
     root.set_help_flag("-h,--help", "Show this help");
     root.set_version_flag("--version", kVersion, "Show the version");
-    root.get_formatter()->column_width(34);
+    root.formatter(std::make_shared<HelpFormatter>());  // taken over by the commands
     addInfo(root, action);
     addConvert(root, action);
     addRender(root, action);
@@ -90,7 +91,6 @@ CLI::App& addCommand(CLI::App& root, const std::string& name, const std::string&
     CLI::App& command = *root.add_subcommand(name, description);
     command.set_help_flag("-h,--help", "Show this help");
     command.set_version_flag("--version", kVersion, "Show the version");
-    command.get_formatter()->column_width(34);
     return command;
 }
 
