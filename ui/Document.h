@@ -70,6 +70,8 @@ public:
     const QStringList& warnings() const noexcept { return m_warnings; }
     /// Of the points read; until all are there, a first idea from the header.
     const WorldBounds& bounds() const noexcept { return m_bounds; }
+    /// The same as raw integers; empty until all points are read.
+    const RawBounds& rawBounds() const noexcept { return m_rawBounds; }
 
     /// Attributes at present; a copy, so that no lock is needed.
     const std::vector<Attribute>& attributes() const noexcept { return m_attributes; }
@@ -101,6 +103,7 @@ private:
     bool m_recovered = false;
     QStringList m_warnings;
     WorldBounds m_bounds;
+    RawBounds m_rawBounds;
     std::vector<Attribute> m_attributes;
     std::map<QString, AttributeFigures> m_figures;
     std::optional<std::array<std::uint64_t, 256>> m_classCounts;

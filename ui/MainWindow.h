@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "render/camera/Camera.h"
 #include "render/raster/Backend.h"
+#include "ui/style/Theme.h"
 
 #include <QMainWindow>
 #include <QStringList>
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 
 class QApplication;
 class QLabel;
@@ -28,6 +32,7 @@ class ViewRenderer;
 class ViewSettings;
 class Viewport;
 class Workspace;
+struct PickedPoint;
 
 /// How the window is to start.
 struct WindowOptions {
@@ -56,6 +61,12 @@ public:
     Viewport& viewport() noexcept { return *m_viewport; }
     ViewSettings& viewSettings() noexcept { return *m_view; }
     ViewRenderer& renderer() noexcept { return *m_renderer; }
+    AttributesDock& attributesDock() noexcept { return *m_attributes; }
+    ClassesDock& classesDock() noexcept { return *m_classes; }
+    ProcessingDock& processingDock() noexcept { return *m_processing; }
+    PropertiesDock& propertiesDock() noexcept { return *m_properties; }
+    JobsDock& jobsDock() noexcept { return *m_jobs; }
+    MainMenu& menu() noexcept { return *m_menu; }
 
     /// Asks about unsaved changes; replaced by tests. The default shows a message box.
     std::function<Unsaved(const QString& fileName)> askUnsaved;
@@ -71,14 +82,15 @@ public slots:
     void saveTo(Document& document, const QString& path);
     /// Shows the next (1) or previous (-1) attribute of the active document.
     void stepAttribute(int direction);
+    void undo();
+    void redo();
+    void setTransparentScreenshots(bool on) { m_transparentScreenshots = on; }
     void showAttribute(const QString& name);
     void showAbout();
     void showShortcuts();
-    void reset3dView(const QString& view);
 
 protected:
     void closeEvent(QCloseEvent* event) override;
-    void changeEvent(QEvent* event) override;
 
 private:
     void connectParts();
@@ -86,11 +98,20 @@ private:
     void restoreSettings();
     void storeSettings();
     void updateTitle();
-    void updateReadOut();
+    void updateSceneBounds();
+    void documentAdded(Document* document);
+    void documentLoaded(Document* document);
+    void documentRemoved(Document* document, bool openingFailed);
+    void showReadOut(const std::optional<PickedPoint>& point);
+    void showViewState();
+    void setBackend(render::BackendKind kind);
+    void setAppearance(Appearance appearance);
     void rememberFile(const QString& path);
-    bool confirmClose(Document& document, const std::function<void()>& afterSaving);
-    void applyAppearance();
+    QStringList recentFiles() const;
+    /// True: go on at once. False: not now; after a save that was asked for, `afterSaving` is called.
+    bool confirmClose(Document& document, std::function<void()> afterSaving);
     QString startFolder() const;
+    QString screenshotName() const;
 
     std::unique_ptr<QSettings> m_settings;
     Workspace* m_workspace = nullptr;
@@ -105,6 +126,10 @@ private:
     MainMenu* m_menu = nullptr;
     QLabel* m_readOut = nullptr;
     QLabel* m_viewState = nullptr;
+    QLabel* m_backend = nullptr;
+    bool m_transparentScreenshots = false;
+    /// Where the camera was before a file began to open, in case that fails; and how often the user had moved it.
+    std::map<Document*, std::pair<render::Camera, std::uint64_t>> m_camerasBefore;
 };
 
 /// Shows the window with these files and runs the event loop; the exit code of the program.

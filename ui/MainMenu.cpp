@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: MIT
+#include "ui/MainMenu.h"
+
+#include "core/edit/History.h"
+#include "core/process/Step.h"
+#include "ui/Document.h"
+#include "ui/MainWindow.h"
+#include "ui/Text.h"
+#include "ui/ViewSettings.h"
+#include "ui/Viewport.h"
+#include "ui/docks/AttributesDock.h"
+#include "ui/docks/AttributesModel.h"
+#include "ui/docks/ClassesDock.h"
+#include "ui/docks/JobsDock.h"
+#include "ui/docks/ProcessingDock.h"
+#include "ui/docks/PropertiesDock.h"
+#include "ui/style/Icons.h"
+
+#include <QActionGroup>
+#include <QFileInfo>
+#include <QMenu>
+#include <QMenuBar>
+#include <QToolBar>
+
+namespace punctum::ui
+{
+
+MainMenu::MainMenu(MainWindow& window) : QObject(&window), m_window(window)
+{
+    makeFile();
+    makeEdit();
+    makeView();
+    makeProcess();
+    makeHelp();
+    makeToolBar();
+    update(nullptr);
+    setRecentFiles({});
+}
+
+QAction* MainMenu::add(QMenu* menu, const QString& text, const QString& icon, const QList<QKeySequence>& keys,
+                       const QString& tip, std::function<void()> act)
+{
+    auto* action = new QAction(text, &m_window);
+    if (!icon.isEmpty()) action->setIcon(lineIcon(icon));
+    action->setShortcuts(keys);
+    QString hint = tip.isEmpty() ? QString(text).remove(QLatin1Char('&')).remove(QStringLiteral("...")) : tip;
+    if (!keys.isEmpty()) hint += QStringLiteral(" (%1)").arg(keys.front().toString(QKeySequence::NativeText));
+    action->setToolTip(hint);
+    action->setIconVisibleInMenu(false);  // icons in the tool bar, words in the menus
+    connect(action, &QAction::triggered, this, [act = std::move(act)] { act(); });
+    if (menu) menu->addAction(action);
+    m_window.addAction(action);
+    m_all.push_back(action);
+    return action;
+}
+
+void MainMenu::makeFile()
+{
+    QMenu* menu = m_window.menuBar()->addMenu(tr("&File"));
+    open = add(menu, tr("&Open..."), QStringLiteral("open"), {QKeySequence::Open}, tr("Open LAS or LAZ files"),
+               [this] { m_window.chooseFiles(); });
+    m_recent = menu->addMenu(tr("Open &Recent"));
+    menu->addSeparator();
+    save = add(menu, tr("&Save"), QStringLiteral("save"), {QKeySequence::Save}, tr("Save the active file"),
+               [this] { m_window.save(); });
+    saveAs = add(menu, tr("Save &As..."), {}, {QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_S)},
+                 tr("Save the active file under another name, as LAS or LAZ"), [this] { m_window.saveAs(); });
+    menu->addSeparator();
+    screenshot = add(menu, tr("&Export Screenshot..."), QStringLiteral("screenshot"), {QKeySequence(Qt::Key_F12)},
+                     tr("Save the finished picture of the view as PNG"), [this] { m_window.exportScreenshot(); });
+    QAction* transparent = menu->addAction(tr("&Transparent Background in Screenshots"));
+    transparent->setCheckable(true);
+    connect(transparent, &QAction::toggled, &m_window, &MainWindow::setTransparentScreenshots);
+    menu->addSeparator();
+    close = add(menu, tr("&Close"), {}, {QKeySequence(Qt::CTRL | Qt::Key_W)}, tr("Close the active file"),
+                [this] { m_window.closeActive(); });
+    add(menu, tr("&Quit"), {}, {QKeySequence(Qt::CTRL | Qt::Key_Q)}, {}, [this] { m_window.close(); });
+    m_needDocument = {saveAs, screenshot, close};
+}
+
+void MainMenu::makeEdit()
+{
+    QMenu* menu = m_window.menuBar()->addMenu(tr("&Edit"));
+    undo = add(menu, tr("&Undo"), QStringLiteral("undo"), {QKeySequence(Qt::CTRL | Qt::Key_Z)}, {},
+               [this] { m_window.undo(); });
+    redo = add(menu, tr("&Redo"), QStringLiteral("redo"),
+               {QKeySequence(Qt::CTRL | Qt::Key_Y), QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_Z)}, {},
+               [this] { m_window.redo(); });
+}
+
+void MainMenu::makeView()
+{
+    QMenu* menu = m_window.menuBar()->addMenu(tr("&View"));
+    Viewport& viewport = m_window.viewport();
+    ViewSettings& settings = m_window.viewSettings();
+
+    fit = add(menu, tr("&Fit All"), QStringLiteral("fit"), {QKeySequence(Qt::Key_F)},
+              tr("Show everything that is open"), [&viewport] { viewport.fit(); });
+    QMenu* standard = menu->addMenu(tr("&Standard Views"));
+    m_views = new QActionGroup(this);
+    const struct {
+        const char* view;
+        QString text;
+        QString icon;
+        Qt::Key key;
+    } views[] = {{"top", tr("&Top"), QStringLiteral("view-top"), Qt::Key_1},
+                 {"front", tr("&Front"), QStringLiteral("view-front"), Qt::Key_2},
+                 {"left", tr("&Left"), QStringLiteral("view-left"), Qt::Key_3},
+                 {"iso", tr("&Isometric"), QStringLiteral("view-iso"), Qt::Key_4},
+                 {"back", tr("&Back"), {}, Qt::Key_5},
+                 {"right", tr("&Right"), {}, Qt::Key_6},
+                 {"bottom", tr("B&ottom"), {}, Qt::Key_7}};
+    for (const auto& each : views) {
+        const QString name = QLatin1String(each.view);
+        QAction* action = add(standard, each.text, each.icon, {QKeySequence(Qt::CTRL | each.key)},
+                              tr("View from: %1").arg(QString(each.text).remove(QLatin1Char('&')).toLower()),
+                              [&viewport, name] { viewport.setStandardView(name); });
+        m_views->addAction(action);
+        m_needDocument.push_back(action);
+    }
+    m_views->setExclusive(false);
+    m_needDocument.push_back(fit);
+    menu->addSeparator();
+
+    m_colorBy = menu->addMenu(tr("&Color by"));
+    QAction* next = add(menu, tr("&Next Attribute"), {}, {QKeySequence(Qt::SHIFT | Qt::Key_Down)}, {},
+                        [this] { m_window.stepAttribute(1); });
+    QAction* previous = add(menu, tr("&Previous Attribute"), {}, {QKeySequence(Qt::SHIFT | Qt::Key_Up)}, {},
+                            [this] { m_window.stepAttribute(-1); });
+    m_needDocument.insert(m_needDocument.end(), {next, previous});
+    menu->addSeparator();
+
+    add(menu, tr("&Larger Points"), {}, {QKeySequence(Qt::Key_Plus), QKeySequence(Qt::Key_Equal)}, {}, [&settings] {
+        settings.setPointSize(settings.display().pointSize + (settings.display().pointSize < 4.0 ? 0.5 : 1.0));
+    });
+    add(menu, tr("S&maller Points"), {}, {QKeySequence(Qt::Key_Minus)}, {}, [&settings] {
+        settings.setPointSize(settings.display().pointSize - (settings.display().pointSize <= 4.0 ? 0.5 : 1.0));
+    });
+    const auto choice = [this](QMenu* into, QActionGroup* group, const QString& text, const QVariant& value) {
+        QAction* action = into->addAction(text);
+        action->setCheckable(true);
+        action->setData(value);
+        group->addAction(action);
+    };
+    QMenu* samples = menu->addMenu(tr("S&amples a Pixel"));
+    m_samples = new QActionGroup(this);
+    choice(samples, m_samples, tr("&1, fast"), 1);
+    choice(samples, m_samples, tr("&4, smooth"), 4);
+    connect(m_samples, &QActionGroup::triggered, &settings,
+            [&settings](const QAction* a) { settings.setSamples(a->data().toInt()); });
+    QMenu* background = menu->addMenu(tr("&Background"));
+    m_backgrounds = new QActionGroup(this);
+    choice(background, m_backgrounds, tr("&Dark"), int(ViewSettings::Background::Dark));
+    choice(background, m_backgrounds, tr("&Gray"), int(ViewSettings::Background::Grey));
+    choice(background, m_backgrounds, tr("&White"), int(ViewSettings::Background::White));
+    connect(m_backgrounds, &QActionGroup::triggered, &settings,
+            [&settings](const QAction* a) { settings.setBackground(ViewSettings::Background(a->data().toInt())); });
+    QMenu* drawing = menu->addMenu(tr("&Draw with"));
+    m_backends = new QActionGroup(this);
+    choice(drawing, m_backends, tr("&CPU"), int(render::BackendKind::Cpu));
+    choice(drawing, m_backends, tr("&OpenGL points"), int(render::BackendKind::GlPoints));
+    connect(m_backends, &QActionGroup::triggered, this,
+            [this](const QAction* a) { emit backendChosen(render::BackendKind(a->data().toInt())); });
+    menu->addSeparator();
+
+    QMenu* panels = menu->addMenu(tr("Pa&nels"));
+    for (QDockWidget* dock : std::initializer_list<QDockWidget*>{
+             &m_window.attributesDock(), &m_window.classesDock(), &m_window.processingDock(),
+             &m_window.propertiesDock(), &m_window.jobsDock()})
+        panels->addAction(dock->toggleViewAction());
+    QMenu* appearance = menu->addMenu(tr("App&earance"));
+    m_appearances = new QActionGroup(this);
+    choice(appearance, m_appearances, tr("As the &System"), int(Appearance::System));
+    choice(appearance, m_appearances, tr("&Dark"), int(Appearance::Dark));
+    choice(appearance, m_appearances, tr("&Light"), int(Appearance::Light));
+    connect(m_appearances, &QActionGroup::triggered, this,
+            [this](const QAction* a) { emit appearanceChosen(Appearance(a->data().toInt())); });
+    fullScreen = add(menu, tr("F&ull Screen"), {}, {QKeySequence(Qt::Key_F11)}, {}, [this] {
+        m_window.setWindowState(m_window.windowState() ^ Qt::WindowFullScreen);
+        fullScreen->setChecked(m_window.isFullScreen());
+    });
+    fullScreen->setCheckable(true);
+    takeViewSettings(settings);
+    connect(&settings, &ViewSettings::changed, this, [this, &settings] { takeViewSettings(settings); });
+}
+
+void MainMenu::makeProcess()
+{
+    QMenu* menu = m_window.menuBar()->addMenu(tr("&Process"));
+    for (const Step* step : allSteps()) {
+        const QString name = toQString(step->name());
+        QAction* action = add(menu, toQString(step->title()) + QStringLiteral("..."), {}, {},
+                              toQString(step->help()), [this, name] {
+                                  ProcessingDock& dock = m_window.processingDock();
+                                  dock.chooseStep(name);
+                                  dock.show();
+                                  dock.raise();
+                              });
+        m_needDocument.push_back(action);
+    }
+    menu->setToolTipsVisible(true);
+}
+
+void MainMenu::makeHelp()
+{
+    QMenu* menu = m_window.menuBar()->addMenu(tr("&Help"));
+    add(menu, tr("&Mouse and Keyboard"), {}, {QKeySequence(Qt::Key_F1)}, {}, [this] { m_window.showShortcuts(); });
+    add(menu, tr("&About Punctum"), {}, {}, {}, [this] { m_window.showAbout(); });
+}
+
+void MainMenu::makeToolBar()
+{
+    m_toolBar = m_window.addToolBar(tr("Tools"));
+    m_toolBar->setObjectName(QStringLiteral("tools"));
+    m_toolBar->setMovable(false);
+    m_toolBar->setIconSize(QSize(20, 20));
+    m_toolBar->setContextMenuPolicy(Qt::PreventContextMenu);
+    m_toolBar->addActions({open, save});
+    m_toolBar->addSeparator();
+    m_toolBar->addActions({undo, redo});
+    m_toolBar->addSeparator();
+    m_toolBar->addAction(fit);
+    for (QAction* view : m_views->actions())
+        if (!view->icon().isNull()) m_toolBar->addAction(view);
+    m_toolBar->addSeparator();
+    m_toolBar->addAction(screenshot);
+}
+
+void MainMenu::update(const Document* document)
+{
+    const bool ready = document && !document->loading();
+    for (QAction* action : m_needDocument) action->setEnabled(document != nullptr);
+    saveAs->setEnabled(ready);
+    save->setEnabled(ready && !document->recovered());
+    save->setToolTip(
+        document && document->recovered()
+            ? tr("This file is damaged and may not be overwritten: use Save As.")
+            : tr("Save the active file (%1)").arg(save->shortcut().toString(QKeySequence::NativeText)));
+    const History* history = document ? document->data()->history.get() : nullptr;
+    const auto label = [](const QString& verb, const std::string& what) {
+        return what.empty() ? verb : QStringLiteral("%1 %2").arg(verb, toQString(what));
+    };
+    const auto put = [&](QAction* action, const QString& verb, bool can, const std::string& what) {
+        action->setEnabled(can && ready);
+        action->setText(label(verb, what));
+        action->setToolTip(QStringLiteral("%1 (%2)").arg(label(QString(verb).remove(QLatin1Char('&')), what),
+                                                         action->shortcut().toString(QKeySequence::NativeText)));
+    };
+    put(undo, tr("&Undo"), history && history->canUndo(), history ? history->undoName() : std::string());
+    put(redo, tr("&Redo"), history && history->canRedo(), history ? history->redoName() : std::string());
+}
+
+void MainMenu::setRecentFiles(const QStringList& paths)
+{
+    m_recent->clear();
+    for (const QString& path : paths) {
+        QAction* action = m_recent->addAction(QFileInfo(path).fileName());
+        action->setToolTip(path);
+        connect(action, &QAction::triggered, this, [this, path] { emit recentChosen(path); });
+    }
+    m_recent->setToolTipsVisible(true);
+    m_recent->setEnabled(!paths.isEmpty());
+    if (paths.isEmpty()) return;
+    m_recent->addSeparator();
+    connect(m_recent->addAction(tr("&Clear This List")), &QAction::triggered, this, &MainMenu::recentCleared);
+}
+
+void MainMenu::setAttributes(const Document* document, const QString& shown)
+{
+    QString key = shown;
+    if (document)
+        for (const Attribute& attribute : document->attributes())
+            key += QLatin1Char('\n') + toQString(attribute.name);
+    m_colorBy->setEnabled(document != nullptr);
+    if (key == m_colorKey) return;
+    m_colorKey = key;
+    m_colorBy->clear();
+    if (!document) return;
+    for (const Attribute& attribute : document->attributes()) {
+        if (attribute.kind == AttributeKind::Opaque) continue;
+        const QString name = toQString(attribute.name);
+        QAction* action = m_colorBy->addAction(name);
+        action->setCheckable(true);
+        action->setChecked(name == shown);
+        connect(action, &QAction::triggered, this, [this, name] { m_window.showAttribute(name); });
+    }
+}
+
+namespace
+{
+void checkBy(const QActionGroup& group, int value)
+{
+    for (QAction* action : group.actions()) action->setChecked(action->data().toInt() == value);
+}
+}  // namespace
+
+void MainMenu::setBackend(render::BackendKind kind)
+{
+    checkBy(*m_backends, int(kind));
+}
+
+void MainMenu::setAppearance(Appearance appearance)
+{
+    checkBy(*m_appearances, int(appearance));
+}
+
+void MainMenu::takeViewSettings(const ViewSettings& settings)
+{
+    checkBy(*m_samples, settings.display().samples);
+    checkBy(*m_backgrounds, int(settings.background()));
+}
+
+std::vector<MainMenu::Shortcut> MainMenu::shortcuts() const
+{
+    std::vector<Shortcut> list;
+    for (const QAction* action : m_all) {
+        if (action->shortcuts().isEmpty()) continue;
+        QStringList keys;
+        for (const QKeySequence& key : action->shortcuts()) keys << key.toString(QKeySequence::NativeText);
+        QString what = action->text();
+        if (action == undo) what = tr("Undo");
+        if (action == redo) what = tr("Redo");
+        list.push_back({keys.join(tr(" or ")), what.remove(QLatin1Char('&')).remove(QStringLiteral("..."))});
+    }
+    return list;
+}
+
+}  // namespace punctum::ui

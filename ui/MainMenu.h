@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "render/raster/Backend.h"
+#include "ui/style/Theme.h"
+
+#include <QAction>
+#include <QObject>
+#include <QStringList>
+
+#include <functional>
+#include <vector>
+
+class QActionGroup;
+class QMenu;
+class QToolBar;
+
+namespace punctum::ui
+{
+
+class Document;
+class MainWindow;
+class ViewSettings;
+
+/// Menus, tool bar and shortcuts of the window: every action in one place. What they do is the window's.
+/// GUI thread only; a child of the window.
+class MainMenu final : public QObject
+{
+    Q_OBJECT
+public:
+    explicit MainMenu(MainWindow& window);
+
+    /// Makes actions fit the state of the active document (null: none).
+    void update(const Document* document);
+    void setRecentFiles(const QStringList& paths);
+    void setAttributes(const Document* document, const QString& shown);
+    void setBackend(render::BackendKind kind);
+    void setAppearance(Appearance appearance);
+    /// Reads the settings that other parts may have changed.
+    void takeViewSettings(const ViewSettings& settings);
+    /// "Ctrl+O  Open", one line an action that has a shortcut; for the help page.
+    struct Shortcut {
+        QString keys, what;
+    };
+    std::vector<Shortcut> shortcuts() const;
+    QToolBar& toolBar() noexcept { return *m_toolBar; }
+
+    QAction* open = nullptr;
+    QAction* save = nullptr;
+    QAction* saveAs = nullptr;
+    QAction* screenshot = nullptr;
+    QAction* close = nullptr;
+    QAction* undo = nullptr;
+    QAction* redo = nullptr;
+    QAction* fit = nullptr;
+    QAction* fullScreen = nullptr;
+
+signals:
+    void backendChosen(punctum::render::BackendKind kind);
+    void appearanceChosen(punctum::ui::Appearance appearance);
+    void recentChosen(const QString& path);
+    void recentCleared();
+
+private:
+    QAction* add(QMenu* menu, const QString& text, const QString& icon, const QList<QKeySequence>& keys,
+                 const QString& tip, std::function<void()> act);
+    void makeFile();
+    void makeEdit();
+    void makeView();
+    void makeProcess();
+    void makeHelp();
+    void makeToolBar();
+
+    MainWindow& m_window;
+    QToolBar* m_toolBar = nullptr;
+    QMenu* m_recent = nullptr;
+    QMenu* m_colorBy = nullptr;
+    QActionGroup* m_views = nullptr;
+    QActionGroup* m_backends = nullptr;
+    QActionGroup* m_backgrounds = nullptr;
+    QActionGroup* m_samples = nullptr;
+    QActionGroup* m_appearances = nullptr;
+    std::vector<QAction*> m_needDocument;
+    std::vector<QAction*> m_all;
+    QString m_colorKey;  ///< what the "color by" menu was made from
+};
+
+}  // namespace punctum::ui

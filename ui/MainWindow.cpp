@@ -1,0 +1,507 @@
+// SPDX-License-Identifier: MIT
+#include "ui/MainWindow.h"
+
+#include "core/Error.h"
+#include "core/task/Progress.h"
+#include "ui/HelpPages.h"
+#include "ui/MainMenu.h"
+#include "ui/MessageArea.h"
+#include "ui/Screenshot.h"
+#include "ui/Text.h"
+#include "ui/ViewRenderer.h"
+#include "ui/ViewSettings.h"
+#include "ui/ViewSurface.h"
+#include "ui/Viewport.h"
+#include "ui/Workspace.h"
+#include "ui/docks/AttributesDock.h"
+#include "ui/docks/AttributesModel.h"
+#include "ui/docks/ClassesDock.h"
+#include "ui/docks/JobsDock.h"
+#include "ui/docks/JobsModel.h"
+#include "ui/docks/ProcessingDock.h"
+#include "ui/docks/PropertiesDock.h"
+#include "ui/style/Icons.h"
+
+#include <QApplication>
+#include <QCloseEvent>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QLabel>
+#include <QMessageBox>
+#include <QScreen>
+#include <QSettings>
+#include <QStandardPaths>
+#include <QStatusBar>
+
+#include <algorithm>
+#include <cmath>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+constexpr int kRecentFiles = 10;
+constexpr int kSettingsVersion = 1;  // of the docks' layout: raise when docks come or go
+
+MainWindow::Unsaved askInBox(QWidget* parent, const QString& name)
+{
+    QMessageBox box(parent);
+    box.setIcon(QMessageBox::Question);
+    box.setWindowTitle(QObject::tr("Unsaved changes"));
+    box.setText(QObject::tr("%1 has unsaved changes.").arg(name));
+    box.setInformativeText(QObject::tr("Without saving they are lost."));
+    box.setStandardButtons(QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel);
+    box.setDefaultButton(QMessageBox::Save);
+    switch (box.exec()) {
+        case QMessageBox::Save:
+            return MainWindow::Unsaved::Save;
+        case QMessageBox::Discard:
+            return MainWindow::Unsaved::Discard;
+        default:
+            return MainWindow::Unsaved::Cancel;
+    }
+}
+
+}  // namespace
+
+MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
+    : QMainWindow(parent),
+      m_settings(options.settingsFile.isEmpty()
+                     ? std::make_unique<QSettings>(QStringLiteral("Punctum"), QStringLiteral("Punctum"))
+                     : std::make_unique<QSettings>(options.settingsFile, QSettings::IniFormat))
+{
+    setWindowIcon(programIcon());
+    setDockOptions(AnimatedDocks | AllowTabbedDocks | AllowNestedDocks);
+    setTabPosition(Qt::AllDockWidgetAreas, QTabWidget::North);
+    askUnsaved = [this](const QString& name) { return askInBox(this, name); };
+
+    const QString saved = m_settings->value(QStringLiteral("view/backend")).toString();
+    const render::BackendKind backend =
+        options.backend.value_or(render::backendFromName(saved.toStdString()).value_or(render::BackendKind::Cpu));
+    m_workspace = new Workspace(this);
+    m_view = new ViewSettings(this);
+    m_renderer = new ViewRenderer(backend, this);
+    m_viewport = new Viewport(*m_renderer, *m_view, !options.rasterView && openGlWidgetsWork());
+    setCentralWidget(m_viewport);
+    addDocks();
+    m_menu = new MainMenu(*this);
+
+    m_readOut = new QLabel;
+    m_viewState = new QLabel;
+    m_backend = new QLabel;
+    statusBar()->addWidget(m_readOut, 1);
+    statusBar()->addPermanentWidget(m_viewState);
+    statusBar()->addPermanentWidget(m_backend);
+    statusBar()->setSizeGripEnabled(false);
+
+    connectParts();
+    restoreSettings();
+    m_viewport->setDocument(nullptr, 0);
+    m_viewport->setFocus();
+    updateTitle();
+}
+
+MainWindow::~MainWindow()
+{
+    // Jobs, then the render thread, then what they send to: nothing may arrive at half a window.
+    delete m_workspace;
+    delete m_viewport;
+    delete m_renderer;
+}
+
+void MainWindow::addDocks()
+{
+    m_attributes = new AttributesDock(*m_workspace, *m_view, this);
+    m_classes = new ClassesDock(*m_view, this);
+    m_processing = new ProcessingDock(*m_workspace, this);
+    m_properties = new PropertiesDock(this);
+    m_jobs = new JobsDock(*m_workspace, this);
+    addDockWidget(Qt::LeftDockWidgetArea, m_attributes);
+    addDockWidget(Qt::LeftDockWidgetArea, m_classes);
+    addDockWidget(Qt::RightDockWidgetArea, m_processing);
+    addDockWidget(Qt::RightDockWidgetArea, m_properties);
+    tabifyDockWidget(m_processing, m_properties);
+    addDockWidget(Qt::RightDockWidgetArea, m_jobs);
+    m_processing->raise();
+    setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
+    setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
+    resizeDocks({m_attributes, m_processing}, {290, 300}, Qt::Horizontal);
+    resizeDocks({m_attributes, m_classes}, {620, 300}, Qt::Vertical);
+    resizeDocks({m_processing, m_jobs}, {700, 170}, Qt::Vertical);
+}
+
+void MainWindow::connectParts()
+{
+    connect(m_workspace, &Workspace::documentAdded, this, &MainWindow::documentAdded);
+    connect(m_workspace, &Workspace::documentLoaded, this, &MainWindow::documentLoaded);
+    connect(m_workspace, &Workspace::documentRemoved, this, &MainWindow::documentRemoved);
+    connect(m_workspace, &Workspace::documentStateChanged, this, [this] { updateTitle(); });
+    connect(m_workspace, &Workspace::message, this,
+            [this](MessageKind kind, const QString& text) { m_viewport->messages().add(kind, text); });
+    connect(m_workspace, &Workspace::saved, this, [this](const Document* d) { rememberFile(d->path()); });
+    connect(m_workspace, &Workspace::cloudChanged, this,
+            [this](const Document* document, const ChangeNotice& notice) {
+                m_renderer->valuesChanged(document->cloud(), notice);
+                updateTitle();
+            });
+    connect(m_workspace, &Workspace::activeChanged, this, [this](Document* document) {
+        m_attributes->setDocument(document);
+        m_classes->setDocument(document);
+        m_processing->setDocument(document);
+        m_properties->setDocument(document);
+        updateTitle();
+    });
+    connect(&m_jobs->model(), &JobsModel::ticked, this, [this] {
+        m_viewport->updateTitle();
+        m_processing->updateProgress();
+    });
+
+    connect(m_viewport, &Viewport::filesDropped, this, &MainWindow::openFiles);
+    connect(m_viewport, &Viewport::attributeDropped, this, &MainWindow::showAttribute);
+    connect(m_viewport, &Viewport::openRequested, this, &MainWindow::chooseFiles);
+    connect(m_viewport, &Viewport::hovered, this, &MainWindow::showReadOut);
+    connect(m_viewport, &Viewport::frameShown, this, &MainWindow::showViewState);
+    connect(m_attributes, &AttributesDock::attributeChosen, this, &MainWindow::showAttribute);
+    connect(m_processing, &ProcessingDock::showAttribute, this, &MainWindow::showAttribute);
+
+    connect(m_renderer, &ViewRenderer::failed, this,
+            [this](const QString& text) { m_viewport->messages().add(MessageKind::Warning, text); });
+    connect(m_renderer, &ViewRenderer::backendChanged, this,
+            [this](render::BackendKind kind, const QString& description) {
+                m_menu->setBackend(kind);
+                m_backend->setText(description);
+                m_backend->setToolTip(tr("What draws the points"));
+                m_settings->setValue(QStringLiteral("view/backend"), toQString(render::nameOf(kind)));
+            });
+    connect(m_menu, &MainMenu::backendChosen, m_renderer, &ViewRenderer::setBackend);
+    connect(m_menu, &MainMenu::appearanceChosen, this, &MainWindow::setAppearance);
+    connect(m_menu, &MainMenu::recentChosen, this, [this](const QString& path) { openFiles({path}); });
+    connect(m_menu, &MainMenu::recentCleared, this, [this] {
+        m_settings->remove(QStringLiteral("files/recent"));
+        m_menu->setRecentFiles({});
+    });
+}
+
+// -- documents
+
+void MainWindow::openFiles(const QStringList& files)
+{
+    for (const QString& file : files) m_workspace->open(file);
+}
+
+void MainWindow::updateSceneBounds()
+{
+    WorldBounds all;
+    for (const Document* document : m_workspace->documents()) all.include(document->bounds());
+    m_viewport->setSceneBounds(all);
+}
+
+void MainWindow::documentAdded(Document* document)
+{
+    m_camerasBefore[document] = {m_viewport->camera(), m_viewport->userMoves()};
+    updateSceneBounds();
+    m_viewport->fit(false);
+    m_renderer->addCloud(document->data()->store);
+    updateTitle();
+}
+
+void MainWindow::documentLoaded(Document* document)
+{
+    updateSceneBounds();
+    // The header's box was only a first idea; but a view that the user has turned is the user's.
+    if (m_camerasBefore[document].second == m_viewport->userMoves()) m_viewport->fit(false);
+    m_camerasBefore.erase(document);
+    m_renderer->loadingEnded(document->cloud(), document->rawBounds());
+    rememberFile(document->path());
+    updateTitle();
+}
+
+void MainWindow::documentRemoved(Document* document, bool openingFailed)
+{
+    m_renderer->removeCloud(document->cloud());
+    updateSceneBounds();
+    const auto before = m_camerasBefore.find(document);
+    if (before != m_camerasBefore.end()) {
+        if (openingFailed && before->second.second == m_viewport->userMoves())
+            m_viewport->setCamera(before->second.first);
+        m_camerasBefore.erase(before);
+    }
+    updateTitle();
+}
+
+void MainWindow::updateTitle()
+{
+    Document* active = m_workspace->active();
+    m_viewport->setDocument(active, int(m_workspace->documents().size()));
+    m_menu->update(active);
+    m_menu->setAttributes(active, m_attributes->model().shown());
+    setWindowTitle(active ? tr("%1[*] - Punctum").arg(active->name()) : tr("Punctum"));
+    setWindowModified(active && active->modified());
+    if (!active) {
+        m_readOut->clear();
+        m_viewState->clear();
+    }
+}
+
+void MainWindow::chooseFiles()
+{
+    const QStringList files =
+        QFileDialog::getOpenFileNames(this, tr("Open point clouds"), startFolder(),
+                                      tr("LAS/LAZ point clouds (*.las *.laz *.LAS *.LAZ);;All files (*)"));
+    if (files.isEmpty()) return;
+    m_settings->setValue(QStringLiteral("files/folder"), QFileInfo(files.front()).path());
+    openFiles(files);
+}
+
+void MainWindow::save()
+{
+    Document* active = m_workspace->active();
+    if (!active) return;
+    if (active->recovered())
+        saveAs();
+    else
+        saveTo(*active, active->path());
+}
+
+void MainWindow::saveAs()
+{
+    Document* active = m_workspace->active();
+    if (!active) return;
+    const QString las = tr("LAS point cloud (*.las)"), laz = tr("Compressed LAZ point cloud (*.laz)");
+    QString filter = active->path().endsWith(QLatin1String(".las"), Qt::CaseInsensitive) ? las : laz;
+    const QPointer<Document> document(active);
+    QString path = QFileDialog::getSaveFileName(this, tr("Save %1 as").arg(active->name()), active->path(),
+                                                laz + QStringLiteral(";;") + las, &filter);
+    if (path.isEmpty() || !document) return;
+    if (QFileInfo(path).suffix().isEmpty()) path += filter == las ? QStringLiteral(".las") : QStringLiteral(".laz");
+    saveTo(*document, path);
+}
+
+void MainWindow::saveTo(Document& document, const QString& path)
+{
+    m_workspace->save(document, path);
+}
+
+bool MainWindow::confirmClose(Document& document, std::function<void()> afterSaving)
+{
+    if (!document.modified()) return true;
+    m_workspace->setActive(&document);
+    switch (askUnsaved(document.name())) {
+        case Unsaved::Discard:
+            return true;
+        case Unsaved::Cancel:
+            return false;
+        case Unsaved::Save:
+            break;
+    }
+    if (document.recovered()) {
+        saveAs();  // it needs another name first; closing is asked for anew then
+        return false;
+    }
+    m_workspace->save(document, document.path(), [then = std::move(afterSaving)](bool done) {
+        if (done) then();
+    });
+    return false;
+}
+
+void MainWindow::closeActive()
+{
+    Document* active = m_workspace->active();
+    if (!active) return;
+    const QPointer<Document> document(active);
+    const auto closeIt = [this, document] {
+        if (document) m_workspace->close(*document);
+    };
+    if (confirmClose(*active, closeIt)) closeIt();
+}
+
+void MainWindow::closeEvent(QCloseEvent* event)
+{
+    for (Document* document : std::vector<Document*>(m_workspace->documents())) {
+        if (!document->modified()) continue;
+        if (!confirmClose(*document, [this] { close(); })) {
+            event->ignore();
+            return;
+        }
+        m_workspace->close(*document);
+    }
+    storeSettings();
+    event->accept();
+}
+
+void MainWindow::undo()
+{
+    if (Document* active = m_workspace->active()) m_workspace->undo(*active);
+}
+
+void MainWindow::redo()
+{
+    if (Document* active = m_workspace->active()) m_workspace->redo(*active);
+}
+
+// -- the view
+
+void MainWindow::showAttribute(const QString& name)
+{
+    m_view->setAttribute(name);
+}
+
+void MainWindow::stepAttribute(int direction)
+{
+    const QString name = m_attributes->model().neighbour(direction);
+    if (!name.isEmpty()) showAttribute(name);
+}
+
+void MainWindow::showReadOut(const std::optional<PickedPoint>& point)
+{
+    if (!point) {
+        m_readOut->clear();
+        return;
+    }
+    const glm::dvec3 scale = point->cloud->coordinates().scale;
+    QString text = QStringLiteral("x %1   y %2   z %3")
+                       .arg(coordinateText(point->world.x, scale.x), coordinateText(point->world.y, scale.y),
+                            coordinateText(point->world.z, scale.z));
+    if (point->classCode) text += QStringLiteral("   ·   ") + classText(*point->classCode);
+    if (!point->value.isEmpty() && point->attribute != QLatin1String("Classification"))
+        text += QStringLiteral("   ·   %1 %2").arg(point->attribute, point->value);
+    m_readOut->setText(text);
+}
+
+void MainWindow::showViewState()
+{
+    const auto frame = m_renderer->frame();
+    if (!frame) return;
+    if (m_attributes->model().shown() != frame->attribute) {
+        m_attributes->setFrame(*frame);
+        m_menu->setAttributes(m_workspace->active(), frame->attribute);
+    } else {
+        m_attributes->setFrame(*frame);
+    }
+    if (!m_workspace->active()) return;
+    m_viewState->setText(frame->report.converged
+                             ? tr("All points drawn")
+                             : tr("%1 % drawn").arg(int(std::floor(frame->report.share * 100.0))));
+}
+
+void MainWindow::exportScreenshot()
+{
+    if (!m_workspace->active()) return;
+    QString path =
+        QFileDialog::getSaveFileName(this, tr("Export screenshot"), screenshotName(), tr("PNG picture (*.png)"));
+    if (path.isEmpty()) return;
+    if (QFileInfo(path).suffix().isEmpty()) path += QStringLiteral(".png");
+    exportScreenshotTo(path);
+}
+
+void MainWindow::exportScreenshotTo(const QString& path)
+{
+    const QString name = QFileInfo(path).fileName();
+    const auto picture = std::make_shared<ScreenshotPicture>();
+    m_renderer->capture(m_transparentScreenshots, [picture](std::shared_ptr<const render::Image> image) {
+        picture->deliver(std::move(image));
+    });
+    m_workspace->startJob(
+        tr("Export %1").arg(name),
+        [picture, path](Progress& progress) { writeScreenshot(*picture, path, progress); },
+        [this, name](const JobInfo& info) {
+            if (info.state == JobState::Failed) m_workspace->say(MessageKind::Error, toQString(info.error));
+            if (info.state == JobState::Finished) m_workspace->say(MessageKind::Info, tr("Saved %1.").arg(name));
+        });
+}
+
+QString MainWindow::screenshotName() const
+{
+    const Document* active = m_workspace->active();
+    const QString base = active ? QFileInfo(active->name()).completeBaseName() : QStringLiteral("punctum");
+    return startFolder() + QLatin1Char('/') + base + QStringLiteral(".png");
+}
+
+// -- settings and help
+
+void MainWindow::restoreSettings()
+{
+    const QSize room = screen() ? screen()->availableSize() : QSize(1400, 900);
+    resize(std::min(1480, room.width() * 9 / 10), std::min(920, room.height() * 9 / 10));
+    restoreGeometry(m_settings->value(QStringLiteral("window/geometry")).toByteArray());
+    restoreState(m_settings->value(QStringLiteral("window/state")).toByteArray(), kSettingsVersion);
+    m_view->setPointSize(m_settings->value(QStringLiteral("view/pointSize"), 1.0).toDouble());
+    m_view->setSamples(m_settings->value(QStringLiteral("view/samples"), 1).toInt());
+    m_view->setColorMap(m_settings->value(QStringLiteral("view/colorMap"), m_view->colorMap()).toString());
+    const int background = m_settings->value(QStringLiteral("view/background"), 0).toInt();
+    m_view->setBackground(ViewSettings::Background(std::clamp(background, 0, 2)));
+    m_menu->setRecentFiles(recentFiles());
+    m_menu->setAppearance(appearanceFromName(m_settings->value(QStringLiteral("window/appearance")).toString()));
+}
+
+void MainWindow::storeSettings()
+{
+    m_settings->setValue(QStringLiteral("window/geometry"), saveGeometry());
+    m_settings->setValue(QStringLiteral("window/state"), saveState(kSettingsVersion));
+    m_settings->setValue(QStringLiteral("view/pointSize"), m_view->display().pointSize);
+    m_settings->setValue(QStringLiteral("view/samples"), m_view->display().samples);
+    m_settings->setValue(QStringLiteral("view/colorMap"), m_view->colorMap());
+    m_settings->setValue(QStringLiteral("view/background"), int(m_view->background()));
+}
+
+void MainWindow::setAppearance(Appearance appearance)
+{
+    m_settings->setValue(QStringLiteral("window/appearance"), nameOf(appearance));
+    applyTheme(*qApp, appearance);
+    m_menu->setAppearance(appearance);
+}
+
+QStringList MainWindow::recentFiles() const
+{
+    return m_settings->value(QStringLiteral("files/recent")).toStringList();
+}
+
+void MainWindow::rememberFile(const QString& path)
+{
+    QStringList recent = recentFiles();
+    recent.removeAll(path);
+    recent.prepend(path);
+    recent = recent.mid(0, kRecentFiles);
+    m_settings->setValue(QStringLiteral("files/recent"), recent);
+    m_settings->setValue(QStringLiteral("files/folder"), QFileInfo(path).path());
+    m_menu->setRecentFiles(recent);
+}
+
+QString MainWindow::startFolder() const
+{
+    return m_settings
+        ->value(QStringLiteral("files/folder"), QStandardPaths::writableLocation(QStandardPaths::HomeLocation))
+        .toString();
+}
+
+void MainWindow::showAbout()
+{
+    showAboutPage(this, m_backend->text(), m_viewport->usesOpenGl());
+}
+
+void MainWindow::showShortcuts()
+{
+    showShortcutsPage(this, m_menu->shortcuts());
+}
+
+int runWindow(QApplication& application, const QStringList& files, const WindowOptions& options)
+{
+    QApplication::setApplicationDisplayName(QString());
+    QApplication::setWindowIcon(programIcon());
+    {
+        const std::unique_ptr<QSettings> settings =
+            options.settingsFile.isEmpty()
+                ? std::make_unique<QSettings>(QStringLiteral("Punctum"), QStringLiteral("Punctum"))
+                : std::make_unique<QSettings>(options.settingsFile, QSettings::IniFormat);
+        applyTheme(application,
+                   appearanceFromName(settings->value(QStringLiteral("window/appearance")).toString()));
+    }
+    MainWindow window(options);
+    window.show();
+    window.openFiles(files);
+    return QApplication::exec();
+}
+
+}  // namespace punctum::ui

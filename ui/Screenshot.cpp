@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#include "ui/Screenshot.h"
+
+#include "core/Error.h"
+#include "core/task/Progress.h"
+#include "ui/Text.h"
+
+#include <QImage>
+#include <QImageWriter>
+#include <QSaveFile>
+
+#include <chrono>
+
+namespace punctum::ui
+{
+
+void ScreenshotPicture::deliver(std::shared_ptr<const render::Image> image)
+{
+    {
+        const std::lock_guard lock(m_mutex);
+        m_image = std::move(image);
+        m_delivered = true;
+    }
+    m_arrived.notify_all();
+}
+
+std::shared_ptr<const render::Image> ScreenshotPicture::wait(const Progress& progress)
+{
+    std::unique_lock lock(m_mutex);
+    while (!m_arrived.wait_for(lock, std::chrono::milliseconds(50), [this] { return m_delivered; }))
+        progress.check();
+    if (!m_image) throw Error("The view ended before its picture was finished.");
+    return m_image;
+}
+
+void writeScreenshot(ScreenshotPicture& picture, const QString& path, Progress& progress)
+{
+    progress.begin("Drawing all points", 1);
+    const auto image = picture.wait(progress);
+    progress.begin("Writing the picture", 1);
+    const QImage wrapped(reinterpret_cast<const uchar*>(image->pixels.data()), image->width, image->height,
+                         image->width * 4, QImage::Format_RGBA8888);
+    QSaveFile file(path);
+    const auto fail = [&](const QString& reason) {
+        file.cancelWriting();
+        throw Error(toPath(path), "The picture could not be written: " + reason.toStdString() + ".");
+    };
+    if (!file.open(QIODevice::WriteOnly)) fail(file.errorString());
+    QImageWriter writer(&file, "png");
+    if (!writer.write(wrapped)) fail(writer.errorString());
+    progress.check();
+    if (!file.commit()) fail(file.errorString());
+}
+
+}  // namespace punctum::ui

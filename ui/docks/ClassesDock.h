@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <QDockWidget>
+
+class QLabel;
+class QModelIndex;
+class QPushButton;
+class QTableView;
+
+namespace punctum::ui
+{
+
+class ClassesModel;
+class Document;
+class ViewSettings;
+
+/// The classes of the active document: the legend of Classification, and what is shown of it. GUI thread only.
+class ClassesDock final : public QDockWidget
+{
+    Q_OBJECT
+public:
+    explicit ClassesDock(ViewSettings& settings, QWidget* parent = nullptr);
+
+    void setDocument(Document* document);
+    ClassesModel& model() noexcept { return *m_model; }
+    QTableView& view() noexcept { return *m_view; }
+
+private:
+    void chooseColor(const QModelIndex& index);
+    void updateHint();
+
+    ViewSettings& m_settings;
+    ClassesModel* m_model = nullptr;
+    QTableView* m_view = nullptr;
+    QLabel* m_hint = nullptr;
+    QPushButton* m_all = nullptr;
+    QPushButton* m_none = nullptr;
+    bool m_hasDocument = false;
+};
+
+}  // namespace punctum::ui

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "ui/docks/ClassesModel.h"
+
+#include "ui/Text.h"
+#include "ui/ViewSettings.h"
+#include "ui/style/Theme.h"
+
+#include <QColor>
+
+namespace punctum::ui
+{
+
+ClassesModel::ClassesModel(ViewSettings& settings, QObject* parent)
+    : QAbstractTableModel(parent), m_settings(settings)
+{
+    connect(&m_settings, &ViewSettings::changed, this, [this] {
+        if (!m_codes.empty()) emit dataChanged(index(0, 0), index(rowCount() - 1, Columns - 1));
+    });
+}
+
+void ClassesModel::setDocument(Document* document)
+{
+    if (m_document) m_document->disconnect(this);
+    m_document = document;
+    if (document) connect(document, &Document::classCountsChanged, this, &ClassesModel::takeCounts);
+    takeCounts();
+}
+
+void ClassesModel::takeCounts()
+{
+    std::vector<unsigned> codes;
+    if (m_document && m_document->classCounts())
+        for (unsigned code = 0; code < 256; ++code)
+            if ((*m_document->classCounts())[code] > 0) codes.push_back(code);
+    if (codes == m_codes) {
+        if (!codes.empty()) emit dataChanged(index(0, 0), index(rowCount() - 1, Columns - 1));
+        return;
+    }
+    beginResetModel();
+    m_codes = std::move(codes);
+    endResetModel();
+}
+
+quint64 ClassesModel::countOf(unsigned code) const
+{
+    return m_document && m_document->classCounts() && code < 256 ? (*m_document->classCounts())[code] : 0;
+}
+
+int ClassesModel::rowCount(const QModelIndex& parent) const
+{
+    return parent.isValid() ? 0 : int(m_codes.size());
+}
+
+int ClassesModel::columnCount(const QModelIndex& parent) const
+{
+    return parent.isValid() ? 0 : int(Columns);
+}
+
+QVariant ClassesModel::data(const QModelIndex& index, int role) const
+{
+    if (!index.isValid() || index.row() >= rowCount()) return {};
+    const unsigned code = m_codes[std::size_t(index.row())];
+    if (role == CodeRole) return code;
+    if (role == CountRole) return countOf(code);
+    const bool visible = m_settings.display().classVisible[code];
+    switch (role) {
+        case Qt::CheckStateRole:
+            if (index.column() == Visible) return visible ? Qt::Checked : Qt::Unchecked;
+            return {};
+        case Qt::DecorationRole:
+            if (index.column() == Color) {
+                const render::Rgba8 c = m_settings.display().palette[code];
+                return QColor(c.r, c.g, c.b);
+            }
+            return {};
+        case Qt::DisplayRole:
+            switch (index.column()) {
+                case Code:
+                    return code;
+                case Name:
+                    return classText(code).section(QLatin1Char(' '), 1);
+                case Count:
+                    return countText(countOf(code));
+                default:
+                    return {};
+            }
+        case Qt::TextAlignmentRole:
+            if (index.column() == Count || index.column() == Code) return int(Qt::AlignRight | Qt::AlignVCenter);
+            return int(Qt::AlignLeft | Qt::AlignVCenter);
+        case Qt::ForegroundRole:
+            if (!visible || index.column() == Code) return themeColors().dim;
+            return {};
+        case Qt::ToolTipRole:
+            switch (index.column()) {
+                case Visible:
+                    return visible ? tr("Hide this class") : tr("Show this class");
+                case Color:
+                    return tr("Click to choose another color");
+                default:
+                    return tr("%1: %2").arg(classText(code), pointsText(countOf(code)));
+            }
+        case Qt::AccessibleTextRole:
+            return classText(code);
+        default:
+            return {};
+    }
+}
+
+QVariant ClassesModel::headerData(int section, Qt::Orientation orientation, int role) const
+{
+    if (orientation != Qt::Horizontal || role != Qt::DisplayRole) return {};
+    switch (section) {
+        case Code:
+            return tr("Code");
+        case Name:
+            return tr("Class");
+        case Count:
+            return tr("Points");
+        default:
+            return {};
+    }
+}
+
+bool ClassesModel::setData(const QModelIndex& index, const QVariant& value, int role)
+{
+    if (!index.isValid() || role != Qt::CheckStateRole || index.column() != Visible) return false;
+    m_settings.setClassVisible(index.data(CodeRole).toUInt(), value.toInt() == Qt::Checked);
+    return true;
+}
+
+Qt::ItemFlags ClassesModel::flags(const QModelIndex& index) const
+{
+    if (!index.isValid()) return Qt::NoItemFlags;
+    Qt::ItemFlags flags = Qt::ItemIsEnabled | Qt::ItemIsSelectable | Qt::ItemNeverHasChildren;
+    if (index.column() == Visible) flags |= Qt::ItemIsUserCheckable;
+    return flags;
+}
+
+}  // namespace punctum::ui

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+#include "ui/docks/ColorPanel.h"
+
+#include "render/color/ColorMap.h"
+#include "ui/Text.h"
+#include "ui/ViewSettings.h"
+
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QFormLayout>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QLineEdit>
+#include <QLocale>
+#include <QPainter>
+#include <QPushButton>
+#include <QSignalBlocker>
+#include <QStyle>
+
+#include <cmath>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+QIcon gradientIcon(const render::ColorTable& table, QSize size)
+{
+    QImage line(256, 1, QImage::Format_RGB32);
+    for (int i = 0; i < 256; ++i) {
+        const render::Rgba8 c = table[std::size_t(i)];
+        line.setPixel(i, 0, qRgb(c.r, c.g, c.b));
+    }
+    QPixmap pixmap(size);
+    pixmap.fill(Qt::transparent);
+    QPainter painter(&pixmap);
+    painter.setRenderHint(QPainter::Antialiasing);
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(
+        QBrush(QPixmap::fromImage(line.scaled(size, Qt::IgnoreAspectRatio, Qt::SmoothTransformation))));
+    painter.drawRoundedRect(QRectF(QPointF(), QSizeF(size)), 3, 3);
+    return QIcon(pixmap);
+}
+
+/// As people type it: with or without separators, in the decimals of the window.
+std::optional<double> readNumber(QString text)
+{
+    text.remove(QLatin1Char(',')).remove(QLatin1Char(' '));
+    bool fine = false;
+    const double value = text.toDouble(&fine);
+    return fine && std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+void markWrong(QLineEdit& field, bool wrong)
+{
+    if (field.property("wrong").toBool() == wrong) return;
+    field.setProperty("wrong", wrong);
+    field.style()->unpolish(&field);
+    field.style()->polish(&field);
+}
+
+}  // namespace
+
+ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
+    : QWidget(parent),
+      m_settings(settings),
+      m_map(new QComboBox),
+      m_low(new QLineEdit),
+      m_high(new QLineEdit),
+      m_auto(new QPushButton(tr("Auto"))),
+      m_size(new QDoubleSpinBox),
+      m_samples(new QComboBox)
+{
+    const QSize icon(72, 12);
+    m_map->setIconSize(icon);
+    for (const render::ColorMap& map : render::colorMaps())
+        m_map->addItem(gradientIcon(map.table, icon), toQString(map.name));
+    m_map->setToolTip(tr("Colors from the lowest to the highest value"));
+    m_map->setAccessibleName(tr("Color map"));
+    connect(m_map, &QComboBox::currentTextChanged, this,
+            [this](const QString& name) { m_settings.setColorMap(name); });
+
+    m_low->setToolTip(tr("Value that gets the first color"));
+    m_low->setAccessibleName(tr("Lowest value"));
+    m_high->setToolTip(tr("Value that gets the last color"));
+    m_high->setAccessibleName(tr("Highest value"));
+    for (QLineEdit* field : {m_low, m_high}) {
+        field->setMinimumWidth(60);
+        connect(field, &QLineEdit::editingFinished, this, &ColorPanel::applyRange);
+    }
+    m_auto->setCheckable(true);
+    m_auto->setToolTip(
+        tr("Range from the 2nd to the 98th percentile of the values, so that outliers do not flatten "
+           "the colors"));
+    connect(m_auto, &QPushButton::clicked, this,
+            [this](bool on) { m_settings.setRange(on ? std::nullopt : std::optional(m_range)); });
+
+    m_size->setRange(1.0, 20.0);
+    m_size->setSingleStep(0.5);
+    m_size->setDecimals(1);
+    m_size->setSuffix(tr(" px"));
+    m_size->setToolTip(tr("Width of a point on the screen (+ and -)"));
+    m_size->setAccessibleName(tr("Point size"));
+    connect(m_size, &QDoubleSpinBox::valueChanged, this, [this](double px) { m_settings.setPointSize(px); });
+    m_samples->addItem(tr("1, fast"), 1);
+    m_samples->addItem(tr("4, smooth"), 4);
+    m_samples->setToolTip(tr("Samples in each pixel: 4 makes thin things and edges smooth"));
+    m_samples->setAccessibleName(tr("Samples"));
+    connect(m_samples, &QComboBox::activated, this,
+            [this] { m_settings.setSamples(m_samples->currentData().toInt()); });
+
+    auto* range = new QHBoxLayout;
+    range->setSpacing(6);
+    range->addWidget(m_low, 1);
+    auto* to = new QLabel(tr("to"));
+    to->setProperty("dim", true);
+    range->addWidget(to);
+    range->addWidget(m_high, 1);
+    range->addWidget(m_auto);
+
+    auto* points = new QHBoxLayout;
+    points->setSpacing(8);
+    points->addWidget(m_size, 1);
+    points->addWidget(m_samples, 1);
+
+    auto* form = new QFormLayout(this);
+    form->setContentsMargins(0, 4, 0, 0);
+    form->setHorizontalSpacing(10);
+    form->setVerticalSpacing(8);
+    form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
+    const auto addRow = [&](const QString& text, auto* field) {
+        auto* label = new QLabel(text);
+        label->setProperty("dim", true);
+        form->addRow(label, field);
+    };
+    addRow(tr("Colors"), m_map);
+    addRow(tr("Range"), range);
+    addRow(tr("Points"), points);
+
+    connect(&m_settings, &ViewSettings::changed, this, &ColorPanel::takeSettings);
+    takeSettings();
+    setKind(std::nullopt);
+}
+
+void ColorPanel::takeSettings()
+{
+    const QSignalBlocker noMap(m_map), noSize(m_size), noSamples(m_samples);
+    m_map->setCurrentText(m_settings.colorMap());
+    m_size->setValue(m_settings.display().pointSize);
+    m_samples->setCurrentIndex(m_settings.display().samples > 1 ? 1 : 0);
+    m_auto->setChecked(!m_settings.display().range);
+}
+
+void ColorPanel::setKind(std::optional<AttributeKind> kind)
+{
+    const bool scalar = kind == AttributeKind::Scalar;
+    for (QWidget* widget : std::initializer_list<QWidget*>{m_map, m_low, m_high, m_auto})
+        widget->setEnabled(scalar);
+    if (!scalar) {
+        m_low->clear();
+        m_high->clear();
+    }
+}
+
+void ColorPanel::setRange(std::pair<double, double> range)
+{
+    if (!m_low->isEnabled()) return;
+    m_range = range;
+    const auto put = [](QLineEdit& field, double value) {
+        const QString text = numberText(value);
+        if (!field.hasFocus() && field.text() != text) field.setText(text);
+    };
+    put(*m_low, range.first);
+    put(*m_high, range.second);
+}
+
+void ColorPanel::applyRange()
+{
+    const auto low = readNumber(m_low->text());
+    const auto high = readNumber(m_high->text());
+    markWrong(*m_low, !low);
+    markWrong(*m_high, !high || (low && *high <= *low));
+    if (!low || !high || *high <= *low) return;
+    // Leaving a field that nobody changed must not pin the range down.
+    if (m_low->text() == numberText(m_range.first) && m_high->text() == numberText(m_range.second)) return;
+    m_settings.setRange(std::pair(*low, *high));
+}
+
+}  // namespace punctum::ui

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/cloud/Attribute.h"
+
+#include <QWidget>
+
+#include <optional>
+#include <utility>
+
+class QComboBox;
+class QDoubleSpinBox;
+class QLineEdit;
+class QPushButton;
+
+namespace punctum::ui
+{
+
+class ViewSettings;
+
+/// How the shown attribute becomes colours, and how large points are: colour map, range, size, samples.
+/// GUI thread only; borrows the settings.
+class ColorPanel final : public QWidget
+{
+    Q_OBJECT
+public:
+    explicit ColorPanel(ViewSettings& settings, QWidget* parent = nullptr);
+
+    /// The range that is drawn at present, for the fields.
+    void setRange(std::pair<double, double> range);
+    /// Colour map and range mean something for scalar attributes only.
+    void setKind(std::optional<AttributeKind> kind);
+
+private:
+    void takeSettings();
+    void applyRange();
+
+    ViewSettings& m_settings;
+    QComboBox* m_map = nullptr;
+    QLineEdit* m_low = nullptr;
+    QLineEdit* m_high = nullptr;
+    QPushButton* m_auto = nullptr;
+    QDoubleSpinBox* m_size = nullptr;
+    QComboBox* m_samples = nullptr;
+    std::pair<double, double> m_range{0.0, 0.0};
+};
+
+}  // namespace punctum::ui

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "ui/docks/DocumentProperties.h"
+
+#include "ui/Document.h"
+#include "ui/Text.h"
+
+#include <QCoreApplication>
+#include <QLocale>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+QString tr(const char* text)
+{
+    return QCoreApplication::translate("DocumentProperties", text);
+}
+
+QString vectorText(const glm::dvec3& v)
+{
+    const auto text = [](double x) { return QLocale::c().toString(x, 'g', 12); };
+    return QStringLiteral("%1  %2  %3").arg(text(v.x), text(v.y), text(v.z));
+}
+
+QString sizeText(const WorldBounds& b, const glm::dvec3& scale)
+{
+    const glm::dvec3 d = b.max - b.min;
+    return QStringLiteral("%1 × %2 × %3")
+        .arg(coordinateText(d.x, scale.x), coordinateText(d.y, scale.y), coordinateText(d.z, scale.z));
+}
+
+QString cornerText(const glm::dvec3& v, const glm::dvec3& scale)
+{
+    return QStringLiteral("%1  %2  %3")
+        .arg(coordinateText(v.x, scale.x), coordinateText(v.y, scale.y), coordinateText(v.z, scale.z));
+}
+
+}  // namespace
+
+std::vector<PropertySection> documentProperties(const Document& document)
+{
+    const las::SourceFile& source = document.source();
+    const glm::dvec3 scale = document.cloud()->coordinates().scale;
+    std::vector<PropertySection> sections;
+
+    if (!document.warnings().isEmpty()) {
+        PropertySection warnings{tr("Warnings"), {}};
+        for (const QString& warning : document.warnings()) warnings.rows.push_back({{}, warning});
+        sections.push_back(warnings);
+    }
+    sections.push_back({tr("File"),
+                        {{tr("Name"), document.name()},
+                         {tr("Folder"), document.path().section(QLatin1Char('/'), 0, -2)},
+                         {tr("Size"), bytesText(source.fileSize)},
+                         {tr("Points"), countText(document.points())}}});
+    sections.push_back({tr("Format"),
+                        {{tr("LAS version"), toQString(source.header.version())},
+                         {tr("Point format"), QString::number(source.layout.format)},
+                         {tr("Record length"), tr("%1 bytes").arg(source.layout.length)},
+                         {tr("Compressed"), source.compressed ? tr("yes, LAZ") : tr("no")}}});
+    PropertySection place{tr("Coordinates"),
+                          {{tr("Scale"), vectorText(document.cloud()->coordinates().scale)},
+                           {tr("Offset"), vectorText(document.cloud()->coordinates().offset)}}};
+    if (!document.bounds().empty()) {
+        place.rows.push_back({tr("Lowest"), cornerText(document.bounds().min, scale)});
+        place.rows.push_back({tr("Highest"), cornerText(document.bounds().max, scale)});
+        place.rows.push_back({tr("Extent"), sizeText(document.bounds(), scale)});
+    }
+    place.rows.push_back({tr("System"), source.crs.empty() ? tr("not stated") : toQString(source.crs)});
+    sections.push_back(place);
+
+    PropertySection records{tr("Records"), {}};
+    const auto list = [&](const std::vector<las::Vlr>& vlrs) {
+        for (const las::Vlr& vlr : vlrs)
+            records.rows.push_back(
+                {QStringLiteral("%1 / %2").arg(toQString(vlr.user())).arg(vlr.recordId),
+                 vlr.extended ? tr("%1, extended").arg(bytesText(vlr.data.size())) : bytesText(vlr.data.size())});
+    };
+    list(source.vlrs);
+    list(source.evlrs);
+    if (records.rows.empty()) records.rows.push_back({{}, tr("none")});
+    sections.push_back(records);
+    return sections;
+}
+
+}  // namespace punctum::ui

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <QString>
+
+#include <vector>
+
+namespace punctum::ui
+{
+
+class Document;
+
+/// What the properties dock tells of a file, in sections. GUI thread.
+struct PropertySection {
+    struct Row {
+        QString name;  ///< empty: the value stands alone
+        QString value;
+    };
+    QString title;
+    std::vector<Row> rows;
+};
+
+std::vector<PropertySection> documentProperties(const Document& document);
+
+}  // namespace punctum::ui

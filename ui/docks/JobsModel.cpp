@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include "ui/docks/JobsModel.h"
+
+#include "ui/Text.h"
+#include "ui/Workspace.h"
+
+#include <algorithm>
+
+namespace punctum::ui
+{
+
+namespace
+{
+constexpr int kTick = 100;         // ms
+constexpr int kEndedStays = 2500;  // ms
+constexpr int kQuietFor = 400;     // ms
+}  // namespace
+
+JobsModel::JobsModel(Workspace& workspace, QObject* parent) : QAbstractListModel(parent), m_workspace(workspace)
+{
+    m_timer.setInterval(kTick);
+    connect(&m_timer, &QTimer::timeout, this, &JobsModel::tick);
+    connect(&m_workspace, &Workspace::jobStarted, this, &JobsModel::start);
+    connect(&m_workspace, &Workspace::jobEnded, this, &JobsModel::end);
+}
+
+void JobsModel::start(quint64 id, const QString& title, bool quiet)
+{
+    Entry entry;
+    entry.info.id = id;
+    entry.info.title = title.toStdString();
+    entry.quiet = quiet;
+    entry.clock.start();
+    if (quiet)
+        m_waiting.push_back(entry);
+    else
+        list(entry);
+    m_timer.start();
+}
+
+void JobsModel::list(Entry entry)
+{
+    beginInsertRows({}, rowCount(), rowCount());
+    entry.listed = true;
+    m_entries.push_back(std::move(entry));
+    endInsertRows();
+}
+
+void JobsModel::removeRow(std::size_t row)
+{
+    beginRemoveRows({}, int(row), int(row));
+    m_entries.erase(m_entries.begin() + std::ptrdiff_t(row));
+    endRemoveRows();
+}
+
+void JobsModel::end(const JobInfo& info)
+{
+    std::erase_if(m_waiting, [&](const Entry& e) { return e.info.id == info.id; });
+    for (std::size_t row = 0; row < m_entries.size(); ++row) {
+        if (m_entries[row].info.id != info.id) continue;
+        m_entries[row].info = info;
+        m_entries[row].clock.restart();
+        emit dataChanged(index(int(row)), index(int(row)));
+        if (m_entries[row].quiet && info.state != JobState::Failed) removeRow(row);
+        break;
+    }
+    emit ticked();
+}
+
+void JobsModel::tick()
+{
+    const std::vector<JobInfo> running = m_workspace.jobs().running();
+    for (std::size_t i = 0; i < m_waiting.size();) {
+        if (m_waiting[i].clock.elapsed() < kQuietFor) {
+            ++i;
+            continue;
+        }
+        list(m_waiting[i]);
+        m_waiting.erase(m_waiting.begin() + std::ptrdiff_t(i));
+    }
+    bool busy = !m_waiting.empty();
+    for (std::size_t row = 0; row < m_entries.size();) {
+        Entry& entry = m_entries[row];
+        if (entry.info.state != JobState::Running) {
+            if (entry.info.state != JobState::Failed && entry.clock.elapsed() > kEndedStays) {
+                removeRow(row);
+                continue;
+            }
+            busy = busy || entry.info.state != JobState::Failed;
+            ++row;
+            continue;
+        }
+        busy = true;
+        for (const JobInfo& now : running)
+            if (now.id == entry.info.id) {
+                entry.info.stage = now.stage;
+                entry.info.fraction = now.fraction;
+                emit dataChanged(index(int(row)), index(int(row)));
+            }
+        ++row;
+    }
+    emit ticked();
+    if (!busy) m_timer.stop();
+}
+
+void JobsModel::closeOrCancel(quint64 id)
+{
+    for (std::size_t row = 0; row < m_entries.size(); ++row) {
+        if (m_entries[row].info.id != id) continue;
+        if (m_entries[row].info.state == JobState::Running) {
+            m_entries[row].cancelling = true;
+            m_workspace.cancel(id);
+            emit dataChanged(index(int(row)), index(int(row)));
+        } else {
+            removeRow(row);
+        }
+        return;
+    }
+}
+
+int JobsModel::rowCount(const QModelIndex& parent) const
+{
+    return parent.isValid() ? 0 : int(m_entries.size());
+}
+
+QVariant JobsModel::data(const QModelIndex& index, int role) const
+{
+    if (!index.isValid() || index.row() >= rowCount()) return {};
+    const Entry& entry = m_entries[std::size_t(index.row())];
+    switch (role) {
+        case Qt::DisplayRole:
+            return toQString(entry.info.title);
+        case IdRole:
+            return qulonglong(entry.info.id);
+        case StageRole:
+            switch (entry.info.state) {
+                case JobState::Running:
+                    return entry.cancelling ? tr("Stopping") : toQString(entry.info.stage);
+                case JobState::Finished:
+                    return tr("Done");
+                case JobState::Cancelled:
+                    return tr("Cancelled");
+                case JobState::Failed:
+                    return toQString(entry.info.error);
+            }
+            return {};
+        case StateRole:
+            return int(entry.info.state);
+        case FractionRole:
+            return entry.info.state == JobState::Running ? entry.info.fraction : 1.0;
+        case ErrorRole:
+            return toQString(entry.info.error);
+        default:
+            return {};
+    }
+}
+
+}  // namespace punctum::ui

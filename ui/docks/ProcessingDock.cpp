@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: MIT
+#include "ui/docks/ProcessingDock.h"
+
+#include "core/las/PointFormat.h"
+#include "render/color/ColorMap.h"
+#include "ui/Text.h"
+#include "ui/Workspace.h"
+#include "ui/docks/AttributesModel.h"
+#include "ui/style/Icons.h"
+#include "ui/style/Theme.h"
+
+#include <QCheckBox>
+#include <QComboBox>
+#include <QFormLayout>
+#include <QLabel>
+#include <QLineEdit>
+#include <QPainter>
+#include <QProgressBar>
+#include <QPushButton>
+#include <QScrollArea>
+#include <QStyle>
+#include <QVBoxLayout>
+
+#include <cmath>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+QIcon swatchIcon(render::Rgba8 color)
+{
+    QPixmap pixmap(14, 14);
+    pixmap.fill(Qt::transparent);
+    QPainter painter(&pixmap);
+    painter.setRenderHint(QPainter::Antialiasing);
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(QColor(color.r, color.g, color.b));
+    painter.drawRoundedRect(QRectF(1, 1, 12, 12), 3, 3);
+    return QIcon(pixmap);
+}
+
+}  // namespace
+
+ProcessingDock::ProcessingDock(Workspace& workspace, QWidget* parent)
+    : QDockWidget(tr("Process"), parent),
+      m_workspace(workspace),
+      m_steps(new QComboBox),
+      m_help(new QLabel),
+      m_form(new QFormLayout),
+      m_show(new QCheckBox(tr("Show the result"))),
+      m_run(new QPushButton(tr("Run"))),
+      m_progress(new QProgressBar),
+      m_result(new QLabel)
+{
+    setObjectName(QStringLiteral("processing"));
+    for (const Step* each : allSteps()) m_steps->addItem(toQString(each->title()), toQString(each->name()));
+    m_steps->setAccessibleName(tr("Processing step"));
+    m_help->setProperty("dim", true);
+    m_help->setWordWrap(true);
+    m_help->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    m_form->setHorizontalSpacing(12);
+    m_form->setVerticalSpacing(8);
+    m_form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
+    m_show->setChecked(true);
+    m_show->setToolTip(tr("Color the points by what the step made, as soon as it is there"));
+    m_run->setProperty("primary", true);
+    m_progress->setRange(0, 1000);
+    m_progress->setTextVisible(false);
+    m_result->setWordWrap(true);
+    m_result->setTextInteractionFlags(Qt::TextSelectableByMouse);
+
+    auto* content = new QWidget;
+    auto* column = new QVBoxLayout(content);
+    column->setContentsMargins(10, 10, 12, 10);
+    column->setSpacing(12);
+    column->addWidget(m_steps);
+    column->addWidget(m_help);
+    column->addLayout(m_form);
+    column->addWidget(m_show);
+    column->addWidget(m_run);
+    column->addWidget(m_progress);
+    column->addWidget(m_result);
+    column->addStretch(1);
+    auto* scroll = new QScrollArea;
+    scroll->setWidget(content);
+    scroll->setWidgetResizable(true);
+    scroll->setFrameShape(QFrame::NoFrame);
+    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    setWidget(scroll);
+    setMinimumWidth(250);
+
+    connect(m_steps, &QComboBox::currentIndexChanged, this, &ProcessingDock::buildFields);
+    connect(m_run, &QPushButton::clicked, this, [this] {
+        if (m_job != 0)
+            m_workspace.cancel(m_job);
+        else
+            run();
+    });
+    connect(&m_workspace, &Workspace::stepEnded, this, &ProcessingDock::ended);
+    connect(&m_workspace, &Workspace::documentStateChanged, this, &ProcessingDock::updateState);
+    buildFields();
+    updateState();
+}
+
+const Step* ProcessingDock::step() const
+{
+    return findStep(m_steps->currentData().toString().toStdString());
+}
+
+void ProcessingDock::chooseStep(const QString& name)
+{
+    const int row = m_steps->findData(name);
+    if (row >= 0) m_steps->setCurrentIndex(row);
+}
+
+QString ProcessingDock::resultText() const
+{
+    return m_result->text();
+}
+
+void ProcessingDock::setDocument(Document* document)
+{
+    if (m_document) m_document->disconnect(this);
+    m_document = document;
+    if (document) connect(document, &Document::attributesChanged, this, &ProcessingDock::fillAttributes);
+    fillAttributes();
+    fillClasses();
+    m_result->clear();
+    updateState();
+}
+
+void ProcessingDock::buildFields()
+{
+    while (m_form->rowCount() > 0) m_form->removeRow(0);
+    m_fields.clear();
+    m_result->clear();
+    const Step* chosen = step();
+    if (!chosen) return;
+    m_help->setText(toQString(chosen->help()));
+    for (StepParameter& parameter : chosen->parameters()) {
+        Field field;
+        using Type = StepParameter::Type;
+        if (parameter.type == Type::AttributeName || parameter.type == Type::ClassCode) {
+            auto* box = new QComboBox;
+            box->setMaxVisibleItems(18);
+            field.widget = box;
+        } else {
+            auto* edit = new QLineEdit(toQString(parameter.preset));
+            if (parameter.optional && parameter.preset.empty()) edit->setPlaceholderText(tr("not used"));
+            field.widget = edit;
+            connect(edit, &QLineEdit::returnPressed, this, &ProcessingDock::run);
+        }
+        QString label = toQString(parameter.label);
+        if (!parameter.unit.empty()) label += QStringLiteral(" (%1)").arg(toQString(parameter.unit));
+        field.widget->setToolTip(toQString(parameter.help));
+        field.widget->setAccessibleName(label);
+        auto* name = new QLabel(label);
+        name->setProperty("dim", true);
+        name->setToolTip(toQString(parameter.help));
+        m_form->addRow(name, field.widget);
+        field.parameter = std::move(parameter);
+        m_fields.push_back(std::move(field));
+    }
+    fillAttributes();
+    fillClasses();
+}
+
+void ProcessingDock::fillAttributes()
+{
+    for (Field& field : m_fields) {
+        if (field.parameter.type != StepParameter::Type::AttributeName) continue;
+        auto* box = static_cast<QComboBox*>(field.widget);
+        const QString chosen =
+            box->currentText().isEmpty() ? toQString(field.parameter.preset) : box->currentText();
+        box->clear();
+        if (!m_document) continue;
+        for (const Attribute& attribute : m_document->attributes())
+            if (attribute.components == 1 && attribute.kind != AttributeKind::Opaque)
+                box->addItem(lineIcon(iconNameOf(attribute.kind)), toQString(attribute.name));
+        const int row = box->findText(chosen);
+        const int z = box->findText(QStringLiteral("Z"));
+        box->setCurrentIndex(row >= 0 ? row : std::max(z, 0));
+    }
+}
+
+void ProcessingDock::fillClasses()
+{
+    const std::uint32_t last = m_document ? las::maxClass(m_document->source().layout.format) : 255;
+    for (Field& field : m_fields) {
+        if (field.parameter.type != StepParameter::Type::ClassCode) continue;
+        auto* box = static_cast<QComboBox*>(field.widget);
+        const QVariant chosen = box->currentIndex() >= 0 ? box->currentData()
+                                : field.parameter.preset.empty()
+                                    ? QVariant(2)
+                                    : QVariant(toQString(field.parameter.preset).toInt());
+        box->clear();
+        for (unsigned code = 0; code <= last; ++code)
+            box->addItem(swatchIcon(render::asprsClasses()[code].color), classText(code), int(code));
+        box->setCurrentIndex(std::max(0, box->findData(chosen)));
+    }
+}
+
+QString ProcessingDock::valueOf(const Field& field) const
+{
+    switch (field.parameter.type) {
+        case StepParameter::Type::AttributeName:
+            return static_cast<QComboBox*>(field.widget)->currentText();
+        case StepParameter::Type::ClassCode:
+            return static_cast<QComboBox*>(field.widget)->currentData().toString();
+        case StepParameter::Type::Integer:
+        case StepParameter::Type::Real:
+            break;
+    }
+    QString text = static_cast<QLineEdit*>(field.widget)->text().trimmed();
+    return text.remove(QLatin1Char(','));  // separators, as the window itself writes them
+}
+
+bool ProcessingDock::setValue(const QString& key, const QString& text)
+{
+    for (Field& field : m_fields) {
+        if (toQString(field.parameter.key) != key) continue;
+        if (auto* box = qobject_cast<QComboBox*>(field.widget)) {
+            const int row = field.parameter.type == StepParameter::Type::ClassCode ? box->findData(text.toInt())
+                                                                                   : box->findText(text);
+            if (row < 0) return false;
+            box->setCurrentIndex(row);
+        } else {
+            static_cast<QLineEdit*>(field.widget)->setText(text);
+        }
+        return true;
+    }
+    return false;
+}
+
+void ProcessingDock::run()
+{
+    const Step* chosen = step();
+    if (!chosen || !m_document || m_document->loading() || m_job != 0) return;
+    StepValues values;
+    bool missing = false;
+    for (const Field& field : m_fields) {
+        const QString text = valueOf(field);
+        const bool wrong = text.isEmpty() && !field.parameter.optional && field.parameter.preset.empty();
+        field.widget->setProperty("wrong", wrong);
+        field.widget->style()->unpolish(field.widget);
+        field.widget->style()->polish(field.widget);
+        missing = missing || wrong;
+        if (!text.isEmpty()) values[field.parameter.key] = text.toStdString();
+    }
+    if (missing) {
+        m_result->setText(tr("Fill in the marked fields."));
+        return;
+    }
+    m_result->clear();
+    m_runningStep = toQString(chosen->name());
+    m_job = m_workspace.run(*m_document, *chosen, values);
+    updateState();
+}
+
+void ProcessingDock::updateState()
+{
+    const bool busy = m_job != 0;
+    m_run->setText(busy ? tr("Cancel") : tr("Run"));
+    m_run->setEnabled(busy || (m_document && !m_document->loading()));
+    m_run->setToolTip(busy ? tr("Stop; nothing changes")
+                           : tr("Run this step on the active file. It can be undone."));
+    m_progress->setVisible(busy);
+    m_steps->setEnabled(!busy);
+}
+
+void ProcessingDock::updateProgress()
+{
+    if (m_job == 0) return;
+    for (const JobInfo& info : m_workspace.jobs().running()) {
+        if (info.id != m_job) continue;
+        m_progress->setValue(int(std::lround(info.fraction * 1000.0)));
+        m_result->setText(toQString(info.stage));
+    }
+}
+
+void ProcessingDock::ended(quint64 job, const QString& title, quint64 changed, const QStringList& newAttributes,
+                           const JobInfo& info)
+{
+    if (job != m_job) return;
+    m_job = 0;
+    updateState();
+    switch (info.state) {
+        case JobState::Failed:
+            m_result->setText(toQString(info.error));
+            return;
+        case JobState::Cancelled:
+            m_result->setText(tr("%1: cancelled, nothing changed.").arg(title));
+            return;
+        case JobState::Running:
+        case JobState::Finished:
+            break;
+    }
+    if (changed == 0) {
+        m_result->setText(tr("%1: no point had to change.").arg(title));
+        return;
+    }
+    m_result->setText(tr("%1: %2 changed.").arg(title, pointsText(changed)));
+    if (!m_show->isChecked() || !m_document) return;
+    // Of several new attributes the one that shows them together; without new ones the classes.
+    QString wanted;
+    for (const QString& name : newAttributes) {
+        const Attribute* attribute = m_document->findAttribute(name);
+        if (wanted.isEmpty() || (attribute && attribute->components == 3)) wanted = name;
+    }
+    if (wanted.isEmpty() && m_runningStep == QLatin1String("normals")) wanted = QStringLiteral("Normal");
+    if (wanted.isEmpty()) wanted = QStringLiteral("Classification");
+    emit showAttribute(wanted);
+}
+
+}  // namespace punctum::ui

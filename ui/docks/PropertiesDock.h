@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <QDockWidget>
+#include <QPointer>
+
+class QTextBrowser;
+
+namespace punctum::ui
+{
+
+class Document;
+
+/// What the active document's file is: all of it text that can be selected and copied. GUI thread only.
+class PropertiesDock final : public QDockWidget
+{
+    Q_OBJECT
+public:
+    explicit PropertiesDock(QWidget* parent = nullptr);
+    void setDocument(Document* document);
+    QString text() const;
+
+protected:
+    void changeEvent(QEvent* event) override;
+
+private:
+    void update();
+    QPointer<Document> m_document;
+    QTextBrowser* m_text = nullptr;
+};
+
+}  // namespace punctum::ui
