@@ -3,16 +3,14 @@
 
 #include "core/Error.h"
 #include "core/las/File.h"
+#include "core/las/Parallel.h"
 #include "core/las/RecordBlocks.h"
 #include "core/las/SourceParser.h"
 #include "core/task/Progress.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <atomic>
 
 namespace punctum::las
 {
@@ -45,32 +43,6 @@ struct Shared {
                                   " are damaged and could not be read (" + why + ").");
     }
 };
-
-/// Runs work(worker's scratch, k) for all k of `order`, each worker taking the next one.
-template <typename Work>
-void runSpread(const std::vector<std::uint32_t>& order, const Work& work)
-{
-    std::atomic<std::size_t> next{0};
-    std::atomic<bool> stop{false};
-    const int workers =
-        int(std::min<std::size_t>(std::size_t(tbb::this_task_arena::max_concurrency()), order.size()));
-    tbb::parallel_for(
-        0, workers,
-        [&](int) {
-            std::vector<std::byte> scratch;
-            while (!stop.load(std::memory_order_relaxed)) {
-                const std::size_t k = next.fetch_add(1, std::memory_order_relaxed);
-                if (k >= order.size()) return;
-                try {
-                    work(scratch, order[k]);
-                } catch (...) {
-                    stop = true;  // the others end soon, not after all the rest
-                    throw;
-                }
-            }
-        },
-        tbb::simple_partitioner());
-}
 
 }  // namespace
 
@@ -124,8 +96,10 @@ void Reader::Impl::visitPlain(Shared& shared) const
     block = block / 64 * 64;
     while ((s.pointCount + block - 1) / block > UINT32_MAX) block *= 2;
     const auto blocks = std::uint32_t((s.pointCount + block - 1) / block);
-    runSpread(spreadOrder(blocks), [&](std::vector<std::byte>& scratch, std::uint32_t k) {
+    const std::vector<std::uint32_t> order = spreadOrder(blocks);
+    forEachInOrder(order.size(), [&](std::vector<std::byte>& scratch, std::size_t turn) {
         shared.progress.check();
+        const std::uint64_t k = order[turn];
         const PointRange range{k * block, std::min((k + 1) * block, s.pointCount)};
         scratch.resize(std::size_t(block * length));
         const auto records = std::span(scratch).first(std::size_t(range.size() * length));
@@ -204,12 +178,14 @@ ReadResult Reader::visitRecords(Progress& progress, const RecordVisitor& visit) 
     } else {
         const std::vector<Chunk>& chunks = m_impl->parsed.chunks;
         const bool stream = m_impl->parsed.laz.compressor == LazInfo::Pointwise;
-        runSpread(spreadOrder(std::uint32_t(chunks.size())), [&](std::vector<std::byte>& scratch, std::uint32_t k) {
+        const std::vector<std::uint32_t> order = spreadOrder(std::uint32_t(chunks.size()));
+        forEachInOrder(order.size(), [&](std::vector<std::byte>& scratch, std::size_t turn) {
             progress.check();
+            const Chunk& chunk = chunks[order[turn]];
             if (stream)
-                m_impl->visitStream(chunks[k], scratch, shared);
+                m_impl->visitStream(chunk, scratch, shared);
             else
-                m_impl->visitChunk(chunks[k], scratch, shared);
+                m_impl->visitChunk(chunk, scratch, shared);
         });
     }
     progress.check();

@@ -1,1 +1,745 @@
 // SPDX-License-Identifier: MIT
+#include "core/las/WritePlan.h"
+
+#include "core/Error.h"
+#include "core/task/Progress.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace punctum::las
+{
+
+namespace
+{
+
+constexpr PointIndex kGrain = 1 << 16;
+constexpr std::uint16_t kWktBit = 16;
+constexpr std::size_t kMostDescriptors = UINT16_MAX / ExtraBytesDescriptor::kSize;
+constexpr double kScanAngleStep = 0.006;
+
+std::string text(std::uint64_t n)
+{
+    return std::to_string(n);
+}
+
+std::uint8_t oldestMinor(std::uint8_t format)
+{
+    if (isExtendedFormat(format)) return 4;
+    if (hasWaveform(format)) return 3;
+    return format >= 2 ? 2 : 0;
+}
+
+/// "34 points have a class above 31", for each kind of value that a format cannot hold.
+struct Misfits {
+    enum Kind { Class, Returns, Overlap, Channel, Angle, Gps, Color, Nir, Waveform, kKinds };
+    std::array<std::uint64_t, kKinds> counts{};
+
+    void include(const Misfits& o)
+    {
+        for (std::size_t k = 0; k < kKinds; ++k) counts[k] += o.counts[k];
+    }
+    std::string sentence(std::uint8_t format) const
+    {
+        constexpr const char* kWhat[kKinds] = {"a class above 31",
+                                               "more than 7 returns",
+                                               "the overlap flag",
+                                               "a scanner channel",
+                                               "a scan angle that is no whole degree",
+                                               "a GPS time",
+                                               "colors",
+                                               "near infrared",
+                                               "a waveform"};
+        std::string list;
+        for (std::size_t k = 0; k < kKinds; ++k)
+            if (counts[k] != 0)
+                list += (list.empty() ? "" : ", ") + text(counts[k]) +
+                        (counts[k] == 1 ? " point has " : " points have ") + kWhat[k];
+        if (list.empty()) return {};
+        return "Point format " + text(format) + " cannot hold these points: " + list + ".";
+    }
+};
+
+/// Extent and returns of the points that are written.
+struct Summary {
+    RawBounds bounds;
+    std::array<std::uint64_t, 16> byReturn{};
+
+    void include(const Summary& o)
+    {
+        bounds.include(o.bounds);
+        for (std::size_t k = 0; k < 16; ++k) byReturn[k] += o.byReturn[k];
+    }
+};
+
+template <typename T, typename Add>
+T reducePoints(const std::vector<PointRange>& kept, Progress& progress, const Add& add)
+{
+    T all;
+    for (const PointRange& range : kept) {
+        all.include(tbb::parallel_reduce(
+            tbb::blocked_range<PointIndex>(range.first, range.last, kGrain), T{},
+            [&](const tbb::blocked_range<PointIndex>& r, T t) {
+                if (!progress.cancelled()) add(t, PointRange{r.begin(), r.end()});
+                return t;
+            },
+            [](T a, const T& b) {
+                a.include(b);
+                return a;
+            }));
+    }
+    progress.check();
+    return all;
+}
+
+/// Appends a value's bytes.
+template <typename T>
+void put(std::vector<std::byte>& bytes, const T& value)
+{
+    const auto* p = reinterpret_cast<const std::byte*>(&value);
+    bytes.insert(bytes.end(), p, p + sizeof(T));
+}
+
+void putVlr(std::vector<std::byte>& bytes, const Vlr& vlr)
+{
+    put(bytes, vlr.reserved);
+    put(bytes, vlr.userId);
+    put(bytes, vlr.recordId);
+    if (vlr.extended)
+        put(bytes, std::uint64_t(vlr.data.size()));
+    else
+        put(bytes, std::uint16_t(vlr.data.size()));
+    put(bytes, vlr.description);
+    bytes.insert(bytes.end(), vlr.data.begin(), vlr.data.end());
+}
+
+/// Makes the plan; one use.
+class Planner
+{
+public:
+    Planner(const PointCloud& cloud, const std::filesystem::path& target, const WriteOptions& options,
+            Progress& progress)
+        : m_cloud(cloud), m_target(target), m_options(options), m_progress(progress)
+    {
+    }
+
+    WritePlan plan()
+    {
+        takeSource();
+        chooseFormat();
+        chooseFields();
+        chooseRecords();
+        refuseLosses();
+        setHeader();
+        return std::move(m_plan);
+    }
+
+private:
+    [[noreturn]] void refuse(const std::string& sentence) const { throw Error(m_target, sentence); }
+    void note(const std::string& sentence) { m_plan.notes.push_back(sentence); }
+
+    std::shared_ptr<const Column> column(std::string_view name) const
+    {
+        for (const auto& c : m_cloud.columns())
+            if (c->name() == name) return c;
+        return nullptr;
+    }
+
+    // -- what there is
+
+    void takeSource()
+    {
+        m_source = m_cloud.source();
+        if (m_source == nullptr) m_source = inventSource();
+        m_made = m_source->path.empty();
+        std::error_code ec;
+        if (m_source->recovered && std::filesystem::equivalent(m_source->path, m_target, ec))
+            refuse(
+                "This file was damaged when it was opened; save under another name, so that the original stays.");
+        m_read = m_source->asRead->get();
+        PointIndex next = 0;
+        for (const PointRange& gone : m_read.missing) {
+            if (gone.first > next) m_kept.push_back({next, gone.first});
+            next = std::max(next, gone.last);
+        }
+        if (next < m_cloud.size()) m_kept.push_back({next, m_cloud.size()});
+        for (const PointRange& r : m_kept) m_points += r.size();
+        if (m_points != m_cloud.size())
+            note(text(m_cloud.size() - m_points) + " points that could not be read are left out.");
+        m_header = m_source->header;
+        m_vlrs = m_source->vlrs;
+        m_plan.evlrs = m_source->evlrs;
+        m_plan.gapAfterPoints = m_source->gapAfterPoints;
+        m_plan.tail = m_source->tail;
+        m_plan.sourcePointDataEnd = m_source->pointDataEnd;
+        m_plan.waveformEvlr = m_source->waveformEvlr;
+    }
+
+    /// For a cloud that came from nowhere: the format that holds the standard columns it has.
+    std::shared_ptr<const SourceFile> inventSource() const
+    {
+        const auto has = [&](const char* name) { return column(name) != nullptr; };
+        std::uint8_t format = 6;
+        if (has("Classes"))
+            format = std::uint8_t((has("GpsTime") ? 1 : 0) + (has("Red") ? 2 : 0));
+        else if (has("NIR"))
+            format = 8;
+        else if (has("Red"))
+            format = 7;
+        return makeSource(format, {}, m_cloud.coordinates(), {}, m_cloud.size());
+    }
+
+    // -- what it becomes
+
+    void chooseFormat()
+    {
+        const std::uint8_t before = m_source->layout.format;
+        m_format = m_options.pointFormat.value_or(before);
+        if (m_format > kLastPointFormat) refuse("There is no point format " + text(m_format) + ".");
+        const std::uint8_t minorBefore = m_header.versionMinor();
+        m_minor = m_options.versionMinor.value_or(minorBefore);
+        if (m_options.versionMinor && (m_minor < 2 || m_minor > 4))
+            refuse("LAS 1." + text(m_minor) + " cannot be written; choose 1.2, 1.3 or 1.4.");
+        const bool formatAsked = m_format != before || (m_options.versionMinor && m_minor != minorBefore);
+        std::uint8_t needed = formatAsked ? oldestMinor(m_format) : std::uint8_t(0);
+        if (m_points > UINT32_MAX) needed = 4;
+        if (m_minor < needed) {
+            if (m_options.versionMinor)
+                refuse((m_points > UINT32_MAX ? text(m_points) + " points need"
+                                              : "Point format " + text(m_format) + " needs") +
+                       " LAS 1." + text(needed) + " or newer.");
+            note("The file becomes LAS 1." + text(needed) + ", which point format " + text(m_format) + " needs.");
+            m_minor = needed;
+        }
+        m_restructured = m_format != before || m_minor != minorBefore;
+    }
+
+    /// Standard fields of the target, from the columns of the same name.
+    void chooseFields()
+    {
+        std::vector<std::string> none;
+        m_layout = makeLayout(m_format, standardRecordLength(m_format), {}, m_source->coordinates, none);
+        m_layout.attributes.clear();
+        m_layout.attributeFields.clear();
+        const bool was = isExtendedFormat(m_source->layout.format), is = isExtendedFormat(m_format);
+        if (was != is) m_conversion = is ? RecordMaker::Conversion::ToExtended : RecordMaker::Conversion::ToClassic;
+        const auto packed = [&](const std::string& name) {
+            return name == "Returns" || name == "Classes" || name == "Flags" || name == "Classification" ||
+                   name == "ScanAngle";
+        };
+        for (const RecordField& f : m_layout.fields) {
+            std::shared_ptr<const Column> c;
+            const int before = m_source->layout.find(f.column);  // extra bytes of the same name stay extra bytes
+            const bool extra = before >= 0 && m_source->layout.fields[std::size_t(before)].offset >=
+                                                  standardRecordLength(m_source->layout.format);
+            if (!extra && (m_conversion == RecordMaker::Conversion::None || !packed(f.column))) c = matching(f);
+            m_columns.push_back(std::move(c));
+        }
+        if (m_conversion != RecordMaker::Conversion::None) {
+            m_packed = {column("Returns"), column(was ? "Flags" : "Classes"),
+                        was ? column("Classification") : nullptr, column("ScanAngle")};
+            for (std::size_t k = 0; k < 4; ++k)
+                if (m_packed[k] == nullptr && (k != 2 || was))
+                    refuse("The cloud lacks a field of its point format and cannot be converted.");
+        }
+        chooseExtraBytes();
+    }
+
+    std::shared_ptr<const Column> matching(const RecordField& f) const
+    {
+        auto c = column(f.column);
+        if (c != nullptr && c->type() == f.type && c->components() == f.components) return c;
+        return nullptr;
+    }
+
+    void addField(const std::shared_ptr<const Column>& c)
+    {
+        const std::size_t length = m_layout.length + c->elementBytes();
+        if (length > UINT16_MAX) refuse("The attributes do not fit a point record of 65535 bytes.");
+        m_layout.fields.push_back({c->name(), m_layout.length, c->type(), std::uint16_t(c->components())});
+        m_layout.length = std::uint16_t(length);
+        m_columns.push_back(c);
+    }
+
+    /// The source's extra bytes as they are, unless attributes came or went: then one record describes them all.
+    void chooseExtraBytes()
+    {
+        const RecordLayout& from = m_source->layout;
+        const std::uint16_t standard = standardRecordLength(from.format);
+        std::vector<std::string> ignored;
+        const auto records = m_source->extraBytesRecords();
+        const auto items = parseExtraBytes(records, standard, from.length, ignored);
+
+        std::vector<ExtraBytesDescriptor> descriptors;
+        std::vector<std::string> gone;
+        std::size_t field = 0;
+        while (field < from.fields.size() && from.fields[field].offset < standard) ++field;
+        for (const ExtraBytesItem& item : items) {
+            const std::size_t n = item.opaque ? 1 : item.values;
+            bool whole = true;
+            for (std::size_t k = 0; k < n; ++k) whole = whole && matching(from.fields[field + k]) != nullptr;
+            if (whole) descriptors.push_back(item.descriptor);
+            for (std::size_t k = 0; k < n; ++k, ++field) {
+                const auto c = matching(from.fields[field]);
+                if (c == nullptr) {
+                    gone.push_back(from.fields[field].column);
+                    continue;
+                }
+                if (!whole) descriptors.push_back(describe(*c));
+                addField(c);
+            }
+        }
+        for (; field < from.fields.size(); ++field) {  // bytes that nobody described
+            const auto c = matching(from.fields[field]);
+            if (c == nullptr) {
+                gone.push_back(from.fields[field].column);
+                continue;
+            }
+            addOpaque(*c, descriptors);
+            addField(c);
+        }
+
+        std::vector<std::string> added;
+        for (const auto& c : m_cloud.columns()) {
+            if (const int f = from.find(c->name());
+                f >= 0 && std::size_t(from.fields[std::size_t(f)].offset) < standard)
+                continue;
+            if (std::find(m_columns.begin(), m_columns.end(), c) != m_columns.end()) continue;
+            if (c->components() > 1)
+                addOpaque(*c, descriptors);
+            else
+                descriptors.push_back(describe(*c));
+            addField(c);
+            added.push_back(c->name());
+        }
+        if (added.empty() && gone.empty()) return;
+        m_restructured = true;
+        replaceExtraBytesRecord(descriptors);
+        std::erase_if(gone, [&](const std::string& name) {
+            return std::find(added.begin(), added.end(), name) != added.end();
+        });
+        const auto list = [](const std::vector<std::string>& names) {
+            std::string s;
+            for (const std::string& n : names) s += (s.empty() ? "" : ", ") + n;
+            return s;
+        };
+        if (!added.empty()) note("Stored as extra bytes: " + list(added) + ".");
+        if (!gone.empty()) note("No longer in the file: " + list(gone) + ".");
+    }
+
+    static void addOpaque(const Column& c, std::vector<ExtraBytesDescriptor>& descriptors)
+    {
+        for (std::size_t left = c.elementBytes(); left > 0;) {
+            const std::size_t run = std::min<std::size_t>(left, 255);
+            descriptors.push_back(
+                makeOpaqueDescriptor(std::uint8_t(run), c.name().starts_with("ExtraBytes") ? "" : c.name()));
+            left -= run;
+        }
+    }
+
+    ExtraBytesDescriptor describe(const Column& c) const
+    {
+        ExtraBytesField field{c.name(), c.type(), {}, {}, {}};
+        const Attribute* shown = nullptr;
+        for (const Attribute& a : m_cloud.attributes())
+            if (a.components == 1 && a.bitWidth == 0 && a.columns[0].get() == &c) shown = &a;
+        if (shown == nullptr) return makeDescriptor(field);
+        field.name = shown->name;
+        field.description = shown->description;
+        if (shown->scaled) {
+            field.scale = shown->scale;
+            field.offset = shown->offset;
+        }
+        ExtraBytesDescriptor d = makeDescriptor(field);
+        if (shown->noData) {
+            d.bytes[3] |= std::byte(1);
+            std::visit([&](auto v) { std::memcpy(d.bytes.data() + 40, &v, 8); }, *shown->noData);
+        }
+        return d;
+    }
+
+    void replaceExtraBytesRecord(const std::vector<ExtraBytesDescriptor>& descriptors)
+    {
+        if (descriptors.size() > kMostDescriptors)
+            refuse(text(descriptors.size()) + " attributes are more than the " + text(kMostDescriptors) +
+                   " that a file can describe.");
+        std::vector<std::byte> data;
+        for (const ExtraBytesDescriptor& d : descriptors) data.insert(data.end(), d.bytes.begin(), d.bytes.end());
+        bool placed = descriptors.empty();
+        for (auto* list : {&m_vlrs, &m_plan.evlrs}) {
+            for (std::size_t k = 0; k < list->size();) {
+                Vlr& vlr = (*list)[k];
+                if (!vlr.is("LASF_Spec", kExtraBytesRecordId)) {
+                    ++k;
+                } else if (!placed) {
+                    vlr.data = data;
+                    placed = true;
+                    ++k;
+                } else {
+                    erase(*list, k);
+                }
+            }
+        }
+        if (!placed)
+            m_vlrs.push_back(makeVlr("LASF_Spec", kExtraBytesRecordId, "Extra Bytes Record", std::move(data)));
+    }
+
+    void erase(std::vector<Vlr>& list, std::size_t k)
+    {
+        if (&list == &m_plan.evlrs && m_plan.waveformEvlr) {
+            if (*m_plan.waveformEvlr == k)
+                m_plan.waveformEvlr.reset();
+            else if (*m_plan.waveformEvlr > k)
+                --*m_plan.waveformEvlr;
+        }
+        list.erase(list.begin() + std::ptrdiff_t(k));
+    }
+
+    template <typename Which>
+    std::size_t dropRecords(const Which& which)
+    {
+        std::size_t dropped = 0;
+        for (auto* list : {&m_vlrs, &m_plan.evlrs})
+            for (std::size_t k = 0; k < list->size();) {
+                if (!which((*list)[k])) {
+                    ++k;
+                    continue;
+                }
+                erase(*list, k);
+                ++dropped;
+            }
+        return dropped;
+    }
+
+    // -- records besides the points
+
+    void chooseRecords()
+    {
+        if (dropRecords([](const Vlr& v) {
+                return v.user() == "copc" && (v.recordId == 1 || v.recordId == 1000 || v.recordId == 10000);
+            }) != 0)
+            note("The spatial index of the COPC file is left out: it becomes an ordinary " +
+                 std::string(m_options.compressed ? "LAZ" : "LAS") + " file.");
+        if (m_source->compressed && dropRecords([](const Vlr& v) { return v.is("LAStools", 30); }) != 0)
+            note("The LAX spatial index is left out: it belongs to the old compressed file.");
+
+        m_plan.compressed = m_options.compressed;
+        const auto isLaszip = [](const Vlr& v) { return v.is(kLaszipUser, kLaszipRecordId); };
+        if (!m_options.compressed) {
+            std::erase_if(m_vlrs, isLaszip);
+        } else {
+            m_plan.laz = LazInfo::standard(m_format, m_layout.length);
+            const auto it = std::find_if(m_vlrs.begin(), m_vlrs.end(), isLaszip);
+            if (it != m_vlrs.end())
+                it->data = m_plan.laz.payload;
+            else
+                m_vlrs.push_back(
+                    makeVlr(kLaszipUser, kLaszipRecordId, "by Punctum with LASzip", m_plan.laz.payload));
+        }
+        if (m_minor < 4) shortenEvlrs();
+    }
+
+    /// Before 1.4 there are no EVLRs but the waveform record of 1.3.
+    void shortenEvlrs()
+    {
+        if (m_header.versionMinor() < 4) return;
+        std::vector<Vlr> stay;
+        std::optional<std::size_t> waveform;
+        for (std::size_t k = 0; k < m_plan.evlrs.size(); ++k) {
+            Vlr& vlr = m_plan.evlrs[k];
+            if (m_minor == 3 && m_plan.waveformEvlr == k) {
+                waveform = stay.size();
+                stay.push_back(std::move(vlr));
+            } else if (vlr.data.size() > UINT16_MAX) {
+                refuse("The extended record " + vlr.user() + "/" + text(vlr.recordId) + " with its " +
+                       text(vlr.data.size()) + " bytes cannot be kept in LAS 1." + text(m_minor) + ".");
+            } else {
+                vlr.extended = false;
+                m_vlrs.push_back(std::move(vlr));
+                note("The extended record " + vlr.user() + "/" + text(vlr.recordId) + " becomes an ordinary one.");
+            }
+        }
+        m_plan.evlrs = std::move(stay);
+        m_plan.waveformEvlr = waveform;
+    }
+
+    // -- what would be lost
+
+    void refuseLosses()
+    {
+        const std::uint8_t from = m_source->layout.format;
+        if (m_format == from) return;
+        const auto dropped = [&](auto has, std::initializer_list<const char*> names) {
+            std::vector<std::shared_ptr<const Column>> columns;
+            if (has(from) && !has(m_format))
+                for (const char* name : names)
+                    if (auto c = column(name)) columns.push_back(std::move(c));
+            return columns;
+        };
+        const std::pair<Misfits::Kind, std::vector<std::shared_ptr<const Column>>> parts[] = {
+            {Misfits::Gps, dropped(hasGpsTime, {"GpsTime"})},
+            {Misfits::Color, dropped(hasColor, {"Red", "Green", "Blue"})},
+            {Misfits::Nir, dropped(hasNir, {"NIR"})},
+            {Misfits::Waveform,
+             dropped(hasWaveform, {"WaveformDescriptorIndex", "WaveformOffset", "WaveformSize",
+                                   "WaveformReturnLocation", "WaveformX", "WaveformY", "WaveformZ"})}};
+        const bool toClassic = m_conversion == RecordMaker::Conversion::ToClassic;
+        const Misfits misfits = reducePoints<Misfits>(m_kept, m_progress, [&](Misfits& m, PointRange r) {
+            for (const auto& [kind, columns] : parts)
+                if (!columns.empty()) m.counts[kind] += countUsed(columns, r);
+            if (toClassic) countClassic(m, r);
+        });
+        if (const std::string sentence = misfits.sentence(m_format); !sentence.empty()) refuse(sentence);
+        if (isExtendedFormat(m_format) && hasGpsTime(m_format) && !hasGpsTime(from))
+            note("Point format " + text(m_format) + " has a GPS time, which is 0 for all points.");
+    }
+
+    static std::uint64_t countUsed(const std::vector<std::shared_ptr<const Column>>& columns, PointRange r)
+    {
+        std::uint64_t n = 0;
+        for (PointIndex i = r.first; i < r.last; ++i) {
+            bool used = false;
+            for (const auto& c : columns) {
+                const std::byte* p = c->data() + i * c->elementBytes();
+                used = used || std::any_of(p, p + c->elementBytes(), [](std::byte b) { return b != std::byte(0); });
+            }
+            n += used ? 1 : 0;
+        }
+        return n;
+    }
+
+    void countClassic(Misfits& m, PointRange r) const
+    {
+        const auto* returns = reinterpret_cast<const std::uint8_t*>(m_packed[0]->data());
+        const auto* flags = reinterpret_cast<const std::uint8_t*>(m_packed[1]->data());
+        const auto* classes = reinterpret_cast<const std::uint8_t*>(m_packed[2]->data());
+        const auto* angles = reinterpret_cast<const std::int16_t*>(m_packed[3]->data());
+        for (PointIndex i = r.first; i < r.last; ++i) {
+            m.counts[Misfits::Class] += classes[i] > 31;
+            m.counts[Misfits::Returns] += (returns[i] & 15) > 7 || (returns[i] >> 4) > 7;
+            m.counts[Misfits::Overlap] += (flags[i] & 8) != 0 && classes[i] != 12;  // class 12 says the same
+            m.counts[Misfits::Channel] += (flags[i] & 0x30) != 0;
+            const long degrees = std::lround(angles[i] * kScanAngleStep);
+            m.counts[Misfits::Angle] +=
+                degrees < -128 || degrees > 127 || std::lround(double(degrees) / kScanAngleStep) != angles[i];
+        }
+    }
+
+    // -- header
+
+    void resizeHeader()
+    {
+        const std::uint8_t before = m_header.versionMinor();
+        if (before == m_minor) return;
+        if (before == 5 && m_header.get<std::int16_t>(at::kTimeOffset) != 0)
+            refuse("The GPS time offset of LAS 1.5 cannot be kept in LAS 1." + text(m_minor) + ".");
+        std::vector<std::byte>& b = m_header.bytes;
+        const std::size_t standard = std::min<std::size_t>(standardHeaderSize(before), b.size());
+        const std::vector<std::byte> user(b.begin() + std::ptrdiff_t(standard), b.end());
+        b.resize(standard);
+        b.resize(standardHeaderSize(m_minor));
+        b.insert(b.end(), user.begin(), user.end());
+        if (b.size() > UINT16_MAX) refuse("The header has too many user bytes for LAS 1." + text(m_minor) + ".");
+        m_header.set(at::kHeaderSize, std::uint16_t(b.size()));
+        m_header.set(at::kVersionMinor, m_minor);
+        if (before < 2) m_header.set<std::uint16_t>(at::kGlobalEncoding, 0);  // was a reserved field
+    }
+
+    void setEncoding()
+    {
+        auto encoding = m_header.globalEncoding();
+        const auto hasRecord = [&](std::uint16_t id) {
+            const auto is = [&](const Vlr& v) { return v.is("LASF_Projection", id); };
+            return std::any_of(m_vlrs.begin(), m_vlrs.end(), is) ||
+                   std::any_of(m_plan.evlrs.begin(), m_plan.evlrs.end(), is);
+        };
+        const bool becomesExtended = isExtendedFormat(m_format) && !isExtendedFormat(m_source->layout.format);
+        if (becomesExtended && hasRecord(2112))
+            encoding |= kWktBit;
+        else if (becomesExtended && hasRecord(34735))
+            note("The coordinate system stays in GeoTIFF keys; point format " + text(m_format) +
+                 " asks for WKT, into which it is not translated.");
+        if (m_minor < 4 && m_source->header.versionMinor() >= 4 && (encoding & kWktBit) != 0) {
+            encoding &= std::uint16_t(~kWktBit);
+            note("LAS 1." + text(m_minor) + " cannot announce the coordinate system in WKT; its record is kept.");
+        }
+        m_header.set(at::kGlobalEncoding, encoding);
+    }
+
+    Summary summarize() const
+    {
+        const auto returns = column("Returns");
+        const std::uint8_t mask = isExtendedFormat(m_source->layout.format) ? 15 : 7;
+        return reducePoints<Summary>(m_kept, m_progress, [&](Summary& s, PointRange r) {
+            const std::int32_t* axes[] = {m_cloud.rawX().data(), m_cloud.rawY().data(), m_cloud.rawZ().data()};
+            std::int32_t low[3], high[3];
+            for (int a = 0; a < 3; ++a) {
+                const auto [lo, hi] = std::minmax_element(axes[a] + r.first, axes[a] + r.last);
+                low[a] = *lo;
+                high[a] = *hi;
+            }
+            s.bounds.include(low[0], low[1], low[2]);
+            s.bounds.include(high[0], high[1], high[2]);
+            if (returns == nullptr) return;
+            const auto* p = reinterpret_cast<const std::uint8_t*>(returns->data());
+            for (PointIndex i = r.first; i < r.last; ++i) ++s.byReturn[p[i] & mask];
+        });
+    }
+
+    bool headerCountIs(std::uint64_t points) const
+    {
+        const Header& h = m_source->header;
+        return h.get<std::uint32_t>(at::kLegacyCount) == points ||
+               (h.extendedCounts() && h.get<std::uint64_t>(at::kPointCount) == points);
+    }
+
+    void setFigures()
+    {
+        const Summary now = summarize();
+        const bool changed = m_made || !m_read.complete || m_points != m_source->pointCount ||
+                             now.bounds != m_read.bounds || now.byReturn != m_read.byReturn ||
+                             !headerCountIs(m_points);
+        const bool moved = (m_minor >= 4) != (m_source->header.versionMinor() >= 4) ||
+                           isExtendedFormat(m_format) != isExtendedFormat(m_source->layout.format);
+        if (changed || moved) setCounts(now);
+        if (changed) {
+            setBounds(now.bounds);
+            m_restructured = true;
+        }
+    }
+
+    void setCounts(const Summary& now)
+    {
+        const bool legacy = !isExtendedFormat(m_format) && m_points <= UINT32_MAX;
+        m_header.set(at::kLegacyCount, legacy ? std::uint32_t(m_points) : 0u);
+        for (std::size_t k = 0; k < 5; ++k)
+            m_header.set(at::kLegacyByReturn + 4 * k, legacy ? std::uint32_t(now.byReturn[k + 1]) : 0u);
+        if (!m_header.extendedCounts()) return;
+        m_header.set(at::kPointCount, std::uint64_t(m_points));
+        for (std::size_t k = 0; k < 15; ++k) m_header.set(at::kByReturn + 8 * k, now.byReturn[k + 1]);
+    }
+
+    void setBounds(const RawBounds& raw)
+    {
+        const WorldBounds b =
+            raw.empty() ? WorldBounds{glm::dvec3(0), glm::dvec3(0)} : m_source->coordinates.toWorld(raw);
+        for (std::size_t k = 0; k < 3; ++k) {
+            // The header's own scale may be unusable; then its box means nothing, and stays.
+            if (m_header.get<double>(at::kScale + 8 * k) != m_source->coordinates.scale[int(k)]) continue;
+            m_header.set(at::kBounds + 16 * k, b.max[int(k)]);
+            m_header.set(at::kBounds + 16 * k + 8, b.min[int(k)]);
+        }
+    }
+
+    void setSignature()
+    {
+        std::array<char, 32> software{"Punctum"};
+        m_header.set(at::kSoftware, software);
+        const auto today = std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now());
+        const auto year = std::chrono::year_month_day(today).year();
+        const auto newYear = std::chrono::sys_days(year / std::chrono::January / 1);
+        m_header.set(at::kCreationDay, std::uint16_t((today - newYear).count() + 1));
+        m_header.set(at::kCreationYear, std::uint16_t(int(year)));
+    }
+
+    void setHeader()
+    {
+        const std::size_t vlrsBefore = m_source->vlrs.size();
+        resizeHeader();
+        setEncoding();
+        setFigures();
+        if (m_restructured) setSignature();
+        // A count that announces more records than there are stays as wrong as it was.
+        const auto announced = m_header.get<std::uint32_t>(at::kVlrCount);
+        if (m_vlrs.size() != vlrsBefore)
+            m_header.set(
+                at::kVlrCount,
+                std::uint32_t(announced == vlrsBefore ? m_vlrs.size() : announced + m_vlrs.size() - vlrsBefore));
+        const auto formatByte = std::uint8_t(m_format | (m_options.compressed ? 0x80 : 0));
+        m_header.set(at::kPointFormat, formatByte);
+        m_header.set(at::kRecordLength, m_layout.length);
+
+        std::uint64_t offset = m_header.bytes.size();
+        for (const Vlr& vlr : m_vlrs) offset += vlr.bytesInFile();
+        offset += m_source->gapBeforePoints.size();
+        if (offset > UINT32_MAX)
+            refuse("The records before the points are larger than the 4 GiB that a file can have.");
+        m_header.set(at::kPointOffset, std::uint32_t(offset));
+
+        std::vector<std::byte>& prefix = m_plan.prefix;
+        prefix = m_header.bytes;
+        for (const Vlr& vlr : m_vlrs) putVlr(prefix, vlr);
+        prefix.insert(prefix.end(), m_source->gapBeforePoints.begin(), m_source->gapBeforePoints.end());
+        m_plan.maker = std::make_unique<RecordMaker>(std::move(m_layout), std::move(m_columns), m_conversion,
+                                                     std::move(m_packed), std::move(m_kept));
+    }
+
+    const PointCloud& m_cloud;
+    const std::filesystem::path& m_target;
+    const WriteOptions& m_options;
+    Progress& m_progress;
+    std::shared_ptr<const SourceFile> m_source;
+    PointsAsRead::Summary m_read;
+    bool m_made = false;          ///< the cloud was made here
+    bool m_restructured = false;  ///< the record or the points' figures change: the file is no longer its maker's
+    std::vector<PointRange> m_kept;
+    PointIndex m_points = 0;
+    Header m_header;
+    std::vector<Vlr> m_vlrs;
+    std::uint8_t m_format = 0, m_minor = 0;
+    RecordLayout m_layout;
+    std::vector<std::shared_ptr<const Column>> m_columns;
+    RecordMaker::Conversion m_conversion = RecordMaker::Conversion::None;
+    std::array<std::shared_ptr<const Column>, 4> m_packed;
+    WritePlan m_plan;
+};
+
+}  // namespace
+
+void WritePlan::setPointDataEnd(std::uint64_t end)
+{
+    Header h;
+    h.bytes.assign(prefix.begin(),
+                   prefix.begin() + std::ptrdiff_t(std::size_t(std::to_integer<unsigned>(prefix[94]) |
+                                                               std::to_integer<unsigned>(prefix[95]) << 8)));
+    const std::uint64_t evlrStart = end + gapAfterPoints.size();
+    if (h.extendedCounts()) {
+        const bool some = !evlrs.empty() || h.get<std::uint32_t>(at::kEvlrCount) != 0;
+        if (some) {
+            h.set(at::kEvlrStart, evlrs.empty() ? std::uint64_t(0) : evlrStart);
+            h.set(at::kEvlrCount, std::uint32_t(evlrs.size()));
+        }
+    }
+    if (const auto before = h.get<std::uint64_t>(at::kWaveformStart); h.versionMinor() >= 3 && before != 0) {
+        std::uint64_t now = before;
+        if (waveformEvlr) {
+            now = evlrStart;
+            for (std::size_t k = 0; k < *waveformEvlr; ++k) now += evlrs[k].bytesInFile();
+        } else if (before >= sourcePointDataEnd && sourcePointDataEnd != 0) {
+            now = before - sourcePointDataEnd + end;  // somewhere in the tail, which moves as a whole
+        }
+        h.set(at::kWaveformStart, now);
+    }
+    std::copy(h.bytes.begin(), h.bytes.end(), prefix.begin());
+}
+
+std::vector<std::byte> WritePlan::suffix() const
+{
+    std::vector<std::byte> bytes = gapAfterPoints;
+    for (const Vlr& vlr : evlrs) putVlr(bytes, vlr);
+    bytes.insert(bytes.end(), tail.begin(), tail.end());
+    return bytes;
+}
+
+WritePlan planWrite(const PointCloud& cloud, const std::filesystem::path& target, const WriteOptions& options,
+                    Progress& progress)
+{
+    return Planner(cloud, target, options, progress).plan();
+}
+
+}  // namespace punctum::las

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include "core/las/RecordBlocks.h"
+#include "core/las/WritePlan.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace punctum::las
+{
+
+namespace
+{
+
+constexpr double kScanAngleStep = 0.006;  ///< degrees, formats 6-10
+constexpr std::uint8_t kOverlapClass = 12;
+constexpr std::size_t kPiece = 4096;  ///< points converted at once
+
+/// Packed fields of the target, for a piece of points.
+struct Packed {
+    std::vector<std::uint8_t> returns, flags, classes;
+    std::vector<std::int16_t> angle16;
+    std::vector<std::int8_t> angle8;
+
+    void toExtended(const std::uint8_t* r, const std::uint8_t* c, const std::int8_t* a, std::size_t n)
+    {
+        returns.resize(n);
+        flags.resize(n);
+        classes.resize(n);
+        angle16.resize(n);
+        for (std::size_t i = 0; i < n; ++i) {
+            const std::uint8_t cls = c[i] & 31;
+            returns[i] = std::uint8_t((r[i] & 7) | ((r[i] >> 3) & 7) << 4);
+            flags[i] = std::uint8_t((c[i] >> 5) | (cls == kOverlapClass ? 8 : 0) | (r[i] & 0xC0));
+            classes[i] = cls;
+            angle16[i] = std::int16_t(std::lround(double(a[i]) / kScanAngleStep));
+        }
+    }
+    void toClassic(const std::uint8_t* r, const std::uint8_t* f, const std::uint8_t* c, const std::int16_t* a,
+                   std::size_t n)
+    {
+        returns.resize(n);
+        classes.resize(n);
+        angle8.resize(n);
+        for (std::size_t i = 0; i < n; ++i) {
+            returns[i] = std::uint8_t((r[i] & 7) | ((r[i] >> 4) & 7) << 3 | (f[i] & 0xC0));
+            classes[i] = std::uint8_t((c[i] & 31) | (f[i] & 7) << 5);
+            angle8[i] = std::int8_t(std::lround(double(a[i]) * kScanAngleStep));
+        }
+    }
+};
+
+template <typename T>
+const T* valuesFrom(const std::shared_ptr<const Column>& column, PointIndex first)
+{
+    return reinterpret_cast<const T*>(column->data()) + first;
+}
+
+}  // namespace
+
+RecordMaker::RecordMaker(RecordLayout layout, std::vector<std::shared_ptr<const Column>> columns,
+                         Conversion conversion, std::array<std::shared_ptr<const Column>, 4> packed,
+                         std::vector<PointRange> kept)
+    : m_layout(std::move(layout)),
+      m_columns(std::move(columns)),
+      m_conversion(conversion),
+      m_packed(std::move(packed)),
+      m_kept(std::move(kept))
+{
+    const bool extended = isExtendedFormat(m_layout.format);
+    m_packedFields = {m_layout.find("Returns"), m_layout.find(extended ? "Flags" : "Classes"),
+                      extended ? m_layout.find("Classification") : -1, m_layout.find("ScanAngle")};
+    for (const PointRange& r : m_kept) {
+        m_before.push_back(m_points);
+        m_points += r.size();
+    }
+}
+
+void RecordMaker::make(PointRange range, std::byte* records) const
+{
+    // The kept range that the first point is in, then on from there.
+    auto k = std::size_t(std::upper_bound(m_before.begin(), m_before.end(), range.first) - m_before.begin());
+    while (range.first < range.last) {
+        const PointRange& from = m_kept[k - 1];
+        const PointIndex skip = range.first - m_before[k - 1];
+        const PointIndex n = std::min(range.size(), from.size() - skip);
+        if (m_conversion == Conversion::None) {
+            makePiece(from.first + skip, std::size_t(n), records);
+        } else {
+            for (PointIndex i = 0; i < n; i += kPiece)
+                makePiece(from.first + skip + i, std::size_t(std::min<PointIndex>(kPiece, n - i)),
+                          records + i * m_layout.length);
+        }
+        records += n * m_layout.length;
+        range.first += n;
+        ++k;
+    }
+}
+
+void RecordMaker::makePiece(PointIndex first, std::size_t count, std::byte* records) const
+{
+    std::vector<const std::byte*> from(m_columns.size());
+    for (std::size_t k = 0; k < from.size(); ++k)
+        from[k] = m_columns[k] ? m_columns[k]->data() + first * m_columns[k]->elementBytes() : nullptr;
+    Packed packed;
+    const auto use = [&](std::size_t which, const void* values) {
+        from[std::size_t(m_packedFields[which])] = static_cast<const std::byte*>(values);
+    };
+    if (m_conversion == Conversion::ToExtended) {
+        packed.toExtended(valuesFrom<std::uint8_t>(m_packed[0], first),
+                          valuesFrom<std::uint8_t>(m_packed[1], first), valuesFrom<std::int8_t>(m_packed[3], first),
+                          count);
+        use(0, packed.returns.data());
+        use(1, packed.flags.data());
+        use(2, packed.classes.data());
+        use(3, packed.angle16.data());
+    } else if (m_conversion == Conversion::ToClassic) {
+        packed.toClassic(valuesFrom<std::uint8_t>(m_packed[0], first), valuesFrom<std::uint8_t>(m_packed[1], first),
+                         valuesFrom<std::uint8_t>(m_packed[2], first), valuesFrom<std::int16_t>(m_packed[3], first),
+                         count);
+        use(0, packed.returns.data());
+        use(1, packed.classes.data());
+        use(3, packed.angle8.data());
+    }
+    interleave(m_layout, from, count, records);
+}
+
+}  // namespace punctum::las

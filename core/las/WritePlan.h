@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/las/ChunkCodec.h"
+#include "core/las/SourceFile.h"
+#include "core/las/Writer.h"
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace punctum
+{
+class Progress;
+}
+
+namespace punctum::las
+{
+
+/// Makes records of the target format from the columns of a cloud, block by block. Keeps the columns alive.
+class RecordMaker
+{
+public:
+    /// How bytes 14 to 19 change between the formats 0-5 and 6-10.
+    enum class Conversion { None, ToExtended, ToClassic };
+
+    /// `columns[k]` fills field k of `layout`; null: zeros. `packed`: the source's Returns, Classes or Flags,
+    /// Classification and ScanAngle columns, for a conversion. `kept`: the points that are written, in order.
+    RecordMaker(RecordLayout layout, std::vector<std::shared_ptr<const Column>> columns, Conversion conversion,
+                std::array<std::shared_ptr<const Column>, 4> packed, std::vector<PointRange> kept);
+
+    const RecordLayout& layout() const noexcept { return m_layout; }
+    PointIndex points() const noexcept { return m_points; }
+    /// Writes the records of `range` (of the written points) to `records`. May be called from several threads.
+    void make(PointRange range, std::byte* records) const;
+
+private:
+    void makePiece(PointIndex first, std::size_t count, std::byte* records) const;
+
+    RecordLayout m_layout;
+    std::vector<std::shared_ptr<const Column>> m_columns;
+    Conversion m_conversion;
+    std::array<std::shared_ptr<const Column>, 4> m_packed;
+    std::array<int, 4>
+        m_packedFields{};  ///< Returns, Classes/Flags, Classification, ScanAngle of m_layout; -1: none
+    std::vector<PointRange> m_kept;
+    std::vector<PointIndex> m_before;  ///< written points before each kept range
+    PointIndex m_points = 0;
+};
+
+/// All of a file that is to be written, but for the points themselves, which `maker` makes.
+struct WritePlan {
+    std::unique_ptr<RecordMaker> maker;
+    bool compressed = false;
+    LazInfo laz;                    ///< when compressed
+    std::vector<std::byte> prefix;  ///< header, VLRs, gap: the file up to the points
+    std::vector<std::byte> gapAfterPoints;
+    std::vector<Vlr> evlrs;
+    std::vector<std::byte> tail;
+    std::uint64_t sourcePointDataEnd = 0;  ///< 0 for clouds made here
+    std::optional<std::size_t> waveformEvlr;
+    std::vector<std::string> notes;
+
+    /// Fills in the header's positions of what comes after the points; call when the points' end is known.
+    void setPointDataEnd(std::uint64_t end);
+    /// Gap, EVLRs and tail as they are written after the points.
+    std::vector<std::byte> suffix() const;
+};
+
+/// Decides how the cloud is written (las.md, "Writing"): the source's own bytes wherever they still hold.
+///
+/// Header fields on the points (counts, by-return, bounds) are computed anew only when the points differ from those
+/// read (coordinates, returns, number), when the cloud was made here, or when format or version ask for other
+/// fields; creation date and software only when the record or the points change. Otherwise every byte stays.
+/// Throws Error, with counts, when the target format cannot hold the values; Cancelled.
+WritePlan planWrite(const PointCloud& cloud, const std::filesystem::path& target, const WriteOptions& options,
+                    Progress& progress);
+
+}  // namespace punctum::las
