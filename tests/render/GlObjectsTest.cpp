@@ -13,7 +13,8 @@
 using namespace punctum;
 using namespace punctum::render;
 
-class GlObjectsTest : public QObject {
+class GlObjectsTest : public QObject
+{
     Q_OBJECT
 
 private slots:
@@ -29,7 +30,8 @@ private slots:
     void stateIsPutBack();
 };
 
-namespace {
+namespace
+{
 
 /// One context for all tests that need one; skips the test where the machine has none.
 EglContext& context()
@@ -140,7 +142,8 @@ void GlObjectsTest::objectsAreMovedNotCopied()
         GlTexture b = std::move(a);
         QCOMPARE(a.id(), 0u);
         QCOMPARE(b.id(), id);
-        b = std::move(b);  // to itself: nothing is lost
+        GlTexture& same = b;
+        b = std::move(same);  // to itself: nothing is lost
         QCOMPARE(b.id(), id);
     }
     QVERIFY(!glIsTexture(id));
@@ -189,8 +192,9 @@ void GlObjectsTest::shaderErrorsCarryTheLog()
         QVERIFY2(QString(e.what()).contains("broken.comp") && QString(e.what()).contains("undeclared"), e.what());
     }
     try {
-        (void)GlProgram::graphics("unlinked", {"#version 430 core\nvoid main() { gl_Position = vec4(0); }\n"},
-                                  {"#version 430 core\nin vec4 missing; out vec4 c; void main() { c = missing; }\n"});
+        (void)GlProgram::graphics(
+            "unlinked", {"#version 430 core\nvoid main() { gl_Position = vec4(0); }\n"},
+            {"#version 430 core\nin vec4 missing; out vec4 c; void main() { c = missing; }\n"});
         QFAIL("no Error");
     } catch (const Error& e) {
         QVERIFY2(QString(e.what()).contains("unlinked"), e.what());

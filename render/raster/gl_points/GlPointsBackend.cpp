@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "render/raster/gl_points/GlPointsBackend.h"
 
-#include "core/Error.h"
 #include "render/raster/gl_points/GlPointCopy.h"
 #include "render/raster/gl_points/GlVisibility.h"
 #include "render/resolve/CpuResolve.h"
@@ -12,10 +11,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <unordered_map>
+#include <utility>
 
 namespace punctum::render
 {
@@ -24,8 +24,6 @@ namespace
 
 using Part = GlPointCopy::Part;
 
-/// Changed blocks of words (256 KiB each) that one frame brings over: a few milliseconds.
-constexpr std::size_t kBlocksAFrame = 64;
 /// Entries of one run of scatter.comp: 48 MiB.
 constexpr std::size_t kScatterEntries = std::size_t(1) << 22;
 /// Chunks of words that one run of resolve.comp sees.
@@ -52,7 +50,7 @@ struct ChunkPlace {
 class GlPointsBackend final : public RasterBackend
 {
 public:
-    explicit GlPointsBackend(Slot chunkSlots);
+    explicit GlPointsBackend(const GlPointsLimits& limits);
 
     BackendKind kind() const noexcept override { return BackendKind::GlPoints; }
     std::string description() const override;
@@ -74,7 +72,7 @@ private:
     /// All chunks of the scene, by rising first id.
     std::vector<ChunkPlace> places(const FrameScene& scene) const;
     void beginDrawing(const FrameScene& scene);
-    void useLayer(const FrameScene& scene, const Layer& layer);
+    void useLayer(const Layer& layer);
     /// Brings words (or classes) of visible points up to date, and some of the others.
     void updateVisible(const FrameScene& scene, Part part);
     void scatter(const FrameScene& scene, const std::vector<bool>& layers);
@@ -82,6 +80,7 @@ private:
 
     GlInfo m_info;
     Slot m_chunkSlots;
+    std::size_t m_blocksAFrame;
     float m_minPointSize = 1, m_maxPointSize = 1;
     bool m_otherSamples = false;  ///< the driver's 4 samples are not kSamples4
     GlVisibility m_visibility;
@@ -94,7 +93,11 @@ private:
     float m_margin = 0, m_perPixel = 0;  ///< of the viewport, see points.vert
 };
 
-GlPointsBackend::GlPointsBackend(Slot chunkSlots) : m_info(requireGl43()), m_chunkSlots(chunkSlots)
+GlPointsBackend::GlPointsBackend(const GlPointsLimits& limits)
+    : m_info(requireGl43()),
+      m_chunkSlots(limits.chunkSlots),
+      m_blocksAFrame(limits.blocksAFrame),
+      m_visibility(limits.bandSamples)
 {
     constexpr Slot kBlock = PointStore::kBlockSlots;
     if (m_chunkSlots == 0) {
@@ -233,7 +236,7 @@ void GlPointsBackend::beginDrawing(const FrameScene& scene)
     }
 }
 
-void GlPointsBackend::useLayer(const FrameScene&, const Layer& layer)
+void GlPointsBackend::useLayer(const Layer& layer)
 {
     const LayerProjection& p = layer.projection;
     const float pointSize = std::clamp(p.pointSize, m_minPointSize, m_maxPointSize);
@@ -262,7 +265,7 @@ void GlPointsBackend::draw(const FrameScene& scene, std::size_t layer, SlotRange
     copy.update(*l.store, Part::Positions, slots);
 
     beginDrawing(scene);
-    useLayer(scene, l);
+    useLayer(l);
     for (Slot at = slots.first; at < slots.last;) {
         const GlPointCopy::Chunk& chunk = copy.chunks()[at / copy.chunkSlots()];
         const Slot end = std::min(slots.last, chunk.first + chunk.slots);
@@ -298,7 +301,7 @@ void GlPointsBackend::reproject(const FrameScene& scene)
         const Layer& l = scene.layers[all[i].layer];
         const GlPointCopy::Chunk& chunk = copyOf(l).chunks()[all[i].chunk];
         if (!chunk.points) continue;
-        if (layer != all[i].layer) useLayer(scene, l);
+        if (layer != all[i].layer) useLayer(l);
         layer = all[i].layer;
         glUniform1ui(11, l.firstId + chunk.first);
         glBindVertexArray(chunk.points.id());
@@ -331,8 +334,8 @@ void GlPointsBackend::updateVisible(const FrameScene& scene, Part part)
         if (part == Part::Classes) copy.requireClasses();
 
         const std::size_t stale = copy.staleBlocks(store, part);
-        copy.updateSome(store, part, kBlocksAFrame);
-        if (stale <= kBlocksAFrame) {
+        copy.updateSome(store, part, m_blocksAFrame);
+        if (stale <= m_blocksAFrame) {
             if (part == Part::Words && !store.stale()) {
                 copy.wordsOutdated = false;
                 copy.encoder = encoder;
@@ -497,9 +500,9 @@ double GlPointsBackend::coveredShare()
 
 }  // namespace
 
-std::unique_ptr<RasterBackend> makeGlPointsBackend(Slot chunkSlots)
+std::unique_ptr<RasterBackend> makeGlPointsBackend(const GlPointsLimits& limits)
 {
-    return std::make_unique<GlPointsBackend>(chunkSlots);
+    return std::make_unique<GlPointsBackend>(limits);
 }
 
 }  // namespace punctum::render

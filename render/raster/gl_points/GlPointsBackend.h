@@ -6,6 +6,14 @@
 namespace punctum::render
 {
 
+/// How much is done at once. The defaults suit every device; tests ask for less, to have many pieces of little.
+struct GlPointsLimits {
+    Slot chunkSlots = 0;                             ///< slots of one piece of device memory, a multiple of
+                                                     ///< PointStore::kBlockSlots; 0: what the driver allows
+    std::size_t blocksAFrame = 64;                   ///< changed blocks of words (256 KiB) sent in one frame
+    std::size_t bandSamples = std::size_t(1) << 24;  ///< samples whose ids are listed in one buffer (64 MiB)
+};
+
 /// The backend of Schuetz et al. 2019, section 3: GL_POINTS into a buffer of ids and depths, multisampled where
 /// 4 samples are asked for. Needs a current OpenGL 4.3 core context, which must be current whenever a member is
 /// called and when the backend is destroyed; it leaves the context's drawing state as it found it, but for
@@ -13,10 +21,10 @@ namespace punctum::render
 ///
 /// Differs from the CPU backend where two points of one sample are equally deep (the one drawn first stays, not the
 /// smaller id), by last bits of float arithmetic, and for point sizes that are no multiples of 1/4 px, whose edges
-/// the device rounds to 1/256 px or so. Points smaller than 1 px are drawn with 1 px.
+/// the device rounds to 1/256 px or so. Points smaller than 1 px are drawn with 1 px, and points larger than the
+/// device can draw (255 px and more) with its largest size.
 ///
-/// `chunkSlots`: slots of one piece of device memory, a multiple of PointStore::kBlockSlots; 0: as many as the
-/// driver's limits allow (tests ask for less). Throws Error when there is no such context.
-std::unique_ptr<RasterBackend> makeGlPointsBackend(Slot chunkSlots = 0);
+/// Throws Error when there is no such context.
+std::unique_ptr<RasterBackend> makeGlPointsBackend(const GlPointsLimits& limits = {});
 
 }  // namespace punctum::render

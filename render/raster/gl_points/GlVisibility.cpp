@@ -14,8 +14,6 @@ namespace punctum::render
 namespace
 {
 
-/// Samples of one band: lists of 64 MiB, half of the smallest limit of a storage block met so far.
-constexpr std::size_t kBandSamples = std::size_t(1) << 24;
 constexpr GLuint kGroup = 16;  ///< of collect.comp and covered.comp, both ways
 
 GLuint groups(int pixels, GLuint group)
@@ -140,7 +138,7 @@ std::span<const GlVisibility::Band> GlVisibility::collect(std::span<const PointI
     if (!m_scan) m_scan = GlProgram::compute("scan.comp", {"#version 430 core\n", shader("scan.comp.glsl")});
 
     const std::size_t rowSamples = std::size_t(m_size.width) * std::size_t(m_size.samples);
-    const int bandRows = int(std::clamp<std::size_t>(kBandSamples / rowSamples, 1, std::size_t(m_size.height)));
+    const int bandRows = int(std::clamp<std::size_t>(m_bandSamples / rowSamples, 1, std::size_t(m_size.height)));
     const int bands = (m_size.height + bandRows - 1) / bandRows;
     const auto chunks = GLuint(firstIds.size());
     reserve(m_firstIds, firstIds.size_bytes());

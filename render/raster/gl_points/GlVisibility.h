@@ -17,6 +17,9 @@ namespace punctum::render
 class GlVisibility
 {
 public:
+    /// `bandSamples`: the most samples whose ids go into one list.
+    explicit GlVisibility(std::size_t bandSamples) : m_bandSamples(bandSamples) {}
+
     /// Width or height 0: no buffer, and all else does nothing.
     void setSize(const TargetSize& size, const GlInfo& info);
     const TargetSize& size() const noexcept { return m_size; }
@@ -58,6 +61,7 @@ private:
     };
     Programs& programs();
 
+    std::size_t m_bandSamples;
     TargetSize m_size;
     GlTexture m_ids, m_depths;
     GlFramebuffer m_framebuffer;
