@@ -37,9 +37,12 @@ void RawBounds::include(const RawBounds& other) noexcept
 void WorldBounds::include(const WorldBounds& other) noexcept
 {
     if (other.empty()) return;
-    min = empty() ? other.min : glm::min(min, other.min);
+    if (empty()) {
+        *this = other;
+        return;
+    }
+    min = glm::min(min, other.min);
     max = glm::max(max, other.max);
-    if (empty()) max = other.max;
 }
 
 WorldBounds CoordinateScale::toWorld(const RawBounds& raw) const noexcept

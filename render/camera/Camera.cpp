@@ -93,17 +93,30 @@ void Camera::fit(const WorldBounds& bounds, glm::dvec2 sizePx) noexcept
     pivot = bounds.min + half;
     const double tanY = std::tan(fovY / 2);
     const double tanX = tanY * sizePx.x / std::max(sizePx.y, 1.0);
-    const glm::dvec3 r = right(), u = up(), f = forward();
-    // The distance from which each corner of the box is inside the picture, plus a small margin.
-    double distance = 0.0;
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 c((corner & 1 ? 1 : -1) * half.x, (corner & 2 ? 1 : -1) * half.y,
-                           (corner & 4 ? 1 : -1) * half.z);
-        const double across = std::max(std::abs(glm::dot(c, r)) / tanX, std::abs(glm::dot(c, u)) / tanY);
-        distance = std::max(distance, across - (orthographic ? 0.0 : glm::dot(c, f)));
+    const glm::dvec3 axes[3] = {right(), up(), forward()};
+    // In view axes around the pivot, a corner (u, w) is inside when |u - eyeU| <= tan * (w - eyeW). So of all
+    // corners: eyeU >= max(u - tan w) + tan eyeW and eyeU <= min(u + tan w) - tan eyeW; both hold up to a largest
+    // eyeW, where eyeU is what lies between. Seen in parallel, w does not count.
+    double eyeDepth = 0.0, eyeAcross[2] = {0.0, 0.0};
+    double low[2], high[2];
+    for (int axis = 0; axis < 2; ++axis) {
+        const double tan = axis == 0 ? tanX : tanY;
+        low[axis] = 1e300;
+        high[axis] = -1e300;
+        for (int corner = 0; corner < 8; ++corner) {
+            const glm::dvec3 c((corner & 1 ? 1 : -1) * half.x, (corner & 2 ? 1 : -1) * half.y,
+                               (corner & 4 ? 1 : -1) * half.z);
+            const double u = glm::dot(c, axes[axis]);
+            const double w = orthographic ? 0.0 : glm::dot(c, axes[2]);
+            low[axis] = std::min(low[axis], u + tan * w);
+            high[axis] = std::max(high[axis], u - tan * w);
+        }
+        eyeDepth = std::min(eyeDepth, (low[axis] - high[axis]) / (2 * tan));
     }
-    if (distance <= 0) distance = 1.0;
-    eye = pivot - f * (distance * 1.04);
+    for (int axis = 0; axis < 2; ++axis) eyeAcross[axis] = (low[axis] + high[axis]) / 2;
+    constexpr double kMargin = 1.04;
+    const double distance = eyeDepth < 0 ? -eyeDepth * kMargin : 1.0;
+    eye = pivot - axes[2] * distance + axes[0] * eyeAcross[0] + axes[1] * eyeAcross[1];
 }
 
 bool Camera::setView(std::string_view name) noexcept

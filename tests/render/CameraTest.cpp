@@ -107,7 +107,7 @@ void CameraTest::fitShowsTheWholeBox()
                 QVERIFY(px.x >= 0 && px.x <= kSize.x && px.y >= 0 && px.y <= kSize.y);
                 widest = std::max({widest, std::abs(px.x - 640) / 640, std::abs(px.y - 400) / 400});
             }
-            QVERIFY2(widest > 0.85, view);
+            QVERIFY2(widest > 0.9, view);
         }
 }
 
