@@ -9,6 +9,7 @@
 #include "core/task/Progress.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -138,6 +139,15 @@ std::string fixed(double value, int decimals)
     return text;
 }
 
+/// A value in full; a scaled one with the decimals that its steps have.
+std::string exact(const Attribute& attribute, const Value& value)
+{
+    if (attribute.scaled) return fixed(toDouble(value), decimalsOf(attribute.scale));
+    if (attribute.type() != ScalarType::F32) return toText(value);
+    char text[32];  // the digits that tell floats apart, not those of the double around one
+    return {text, std::to_chars(text, text + sizeof text, float(toDouble(value))).ptr};
+}
+
 std::string means(double mean)
 {
     char text[40];
@@ -209,7 +219,7 @@ std::string textOf(const FileInfo& info)
         const bool empty = info.bounds.empty();
         axes.push_back({std::string(1, "XYZ"[axis]), empty ? "-" : fixed(low, decimals),
                         empty ? "-" : fixed(high, decimals), empty ? "-" : fixed(high - low, decimals),
-                        toText(coordinates.scale[axis]), toText(coordinates.offset[axis])});
+                        toText(coordinates.scale[axis]), toText(coordinates.offset[axis] + 0.0)});
     }
     out << table(axes, {false, true, true, true, true, true});
 
@@ -222,8 +232,8 @@ std::string textOf(const FileInfo& info)
         rows.push_back(
             {attribute.name,
              std::string(nameOf(attribute.type())) + (components > 1 ? " x " + std::to_string(components) : ""),
-             joined(figures, [](const auto& s) { return toText(s.min); }),
-             joined(figures, [](const auto& s) { return toText(s.max); }),
+             joined(figures, [&](const auto& s) { return exact(attribute, s.min); }),
+             joined(figures, [&](const auto& s) { return exact(attribute, s.max); }),
              joined(figures, [](const auto& s) { return means(s.mean); }), attribute.standard ? "" : "extra"});
     }
     out << table(rows, {false, false, true, true, true, false});

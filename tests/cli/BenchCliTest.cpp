@@ -31,14 +31,14 @@ private:
 private slots:
     void initTestCase()
     {
-        PUNCTUM_EXIT(punctum({"sample", path("in.las"), "--points", "200000"}), 0);
-        PUNCTUM_EXIT(punctum({"convert", path("in.las"), path("in.laz")}), 0);
+        PUNCTUM_EXIT(runPunctum({"sample", path("in.las"), "--points", "200000"}), 0);
+        PUNCTUM_EXIT(runPunctum({"convert", path("in.las"), path("in.laz")}), 0);
     }
 
     void measuresLoading()
     {
         for (const char* name : {"in.las", "in.laz"}) {
-            const Outcome run = punctum({"bench", "load", path(name), "--json", "--rounds", "3"});
+            const Outcome run = runPunctum({"bench", "load", path(name), "--json", "--rounds", "3"});
             PUNCTUM_EXIT(run, 0);
             const QJsonObject figures = run.json().object();
             QCOMPARE(figures["points"].toInt(), 200'000);
@@ -55,7 +55,7 @@ private slots:
     void measuresDrawing()
     {
         const Outcome run =
-            punctum({"bench", "render", path("in.las"), "--json", "--rounds", "1", "--size", "320x200"});
+            runPunctum({"bench", "render", path("in.las"), "--json", "--rounds", "1", "--size", "320x200"});
         PUNCTUM_EXIT(run, 0);
         const QJsonObject figures = run.json().object();
         for (const char* key : {"brute_force_ms", "mpts_per_s", "converge_ms"})
@@ -83,7 +83,7 @@ private slots:
         QFETCH(QStringList, arguments);
         QFETCH(QStringList, keys);
         const Outcome run =
-            punctum(QStringList{"bench"} + arguments + QStringList{path("in.las"), "--json", "--rounds", "3"});
+            runPunctum(QStringList{"bench"} + arguments + QStringList{path("in.las"), "--json", "--rounds", "3"});
         PUNCTUM_EXIT(run, 0);
         QCOMPARE(run.json()["points"].toInt(), 200'000);
         for (const QString& key : keys) QVERIFY2(isFigure(run.json()[key], 1e-9), qPrintable(key));
@@ -91,7 +91,7 @@ private slots:
 
     void printsText()
     {
-        const Outcome run = punctum({"bench", "load", path("in.las"), "--rounds", "1"});
+        const Outcome run = runPunctum({"bench", "load", path("in.las"), "--rounds", "1"});
         PUNCTUM_EXIT(run, 0);
         QVERIFY(run.out.contains("mpts_per_s"));
     }

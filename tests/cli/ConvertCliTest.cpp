@@ -42,9 +42,9 @@ private slots:
         const QString las = folder.filePath("first.las");
         const QString laz = folder.filePath("second.laz");
         const QString back = folder.filePath("third.las");
-        PUNCTUM_EXIT(punctum({"convert", path, las}), 0);
-        PUNCTUM_EXIT(punctum({"convert", las, laz}), 0);
-        PUNCTUM_EXIT(punctum({"convert", laz, back}), 0);
+        PUNCTUM_EXIT(runPunctum({"convert", path, las}), 0);
+        PUNCTUM_EXIT(runPunctum({"convert", las, laz}), 0);
+        PUNCTUM_EXIT(runPunctum({"convert", laz, back}), 0);
 
         const auto expected = pointsOf(path);
         QVERIFY(!expected.empty());
@@ -66,8 +66,8 @@ private slots:
         QTemporaryDir folder;
         const QString in = folder.filePath("in.las");
         const QString out = folder.filePath("out.laz");
-        PUNCTUM_EXIT(punctum({"sample", in, "--points", "5000"}), 0);
-        const Outcome run = punctum({"convert", in, out, "--las-version", "1.2", "--point-format", "3"});
+        PUNCTUM_EXIT(runPunctum({"sample", in, "--points", "5000"}), 0);
+        const Outcome run = runPunctum({"convert", in, out, "--las-version", "1.2", "--point-format", "3"});
         PUNCTUM_EXIT(run, 0);
         const LaszipFile file(out);
         QCOMPARE(file.version(), 2);
@@ -94,8 +94,8 @@ private slots:
     void reportsInJson()
     {
         QTemporaryDir folder;
-        PUNCTUM_EXIT(punctum({"sample", "in.las", "--points", "1000"}, folder.path()), 0);
-        const Outcome run = punctum({"convert", "in.las", "out.laz", "--json", "--no-verify"}, folder.path());
+        PUNCTUM_EXIT(runPunctum({"sample", "in.las", "--points", "1000"}, folder.path()), 0);
+        const Outcome run = runPunctum({"convert", "in.las", "out.laz", "--json", "--no-verify"}, folder.path());
         PUNCTUM_EXIT(run, 0);
         QCOMPARE(run.json()["points"].toInt(), 1000);
         QCOMPARE(run.json()["file"].toString(), QString("out.laz"));
@@ -106,16 +106,16 @@ private slots:
     void replacesItsOwnInput()
     {
         QTemporaryDir folder;
-        PUNCTUM_EXIT(punctum({"sample", "a.las", "--points", "3000"}, folder.path()), 0);
+        PUNCTUM_EXIT(runPunctum({"sample", "a.las", "--points", "3000"}, folder.path()), 0);
         const auto before = contentOf(folder.filePath("a.las"));
-        PUNCTUM_EXIT(punctum({"convert", "a.las", "a.las"}, folder.path()), 0);
+        PUNCTUM_EXIT(runPunctum({"convert", "a.las", "a.las"}, folder.path()), 0);
         QCOMPARE(contentOf(folder.filePath("a.las")), before);
     }
 
     void leavesNothingWhereTheDiskIsFull()
     {
         QTemporaryDir folder;
-        PUNCTUM_EXIT(punctum({"sample", "a.las", "--points", "50000"}, folder.path()), 0);
+        PUNCTUM_EXIT(runPunctum({"sample", "a.las", "--points", "50000"}, folder.path()), 0);
         // a limit on the size of files, in KiB, fails the same writes that a full disk does
         const QString command = QString("ulimit -f 100; exec '%1' convert a.las %2").arg(PUNCTUM_PROGRAM);
         for (const char* out : {"b.las", "b.laz", "a.las"}) {
@@ -132,11 +132,11 @@ private slots:
     void refusesTruncatedOriginalsAsTargets()
     {
         QTemporaryDir folder;
-        PUNCTUM_EXIT(punctum({"sample", "whole.las", "--points", "3000"}, folder.path()), 0);
+        PUNCTUM_EXIT(runPunctum({"sample", "whole.las", "--points", "3000"}, folder.path()), 0);
         QFile cut(folder.filePath("cut.las"));
         QVERIFY(QFile::copy(folder.filePath("whole.las"), cut.fileName()) && cut.resize(cut.size() / 2));
         const auto before = contentOf(cut.fileName());
-        const Outcome run = punctum({"convert", "cut.las", "cut.las"}, folder.path());
+        const Outcome run = runPunctum({"convert", "cut.las", "cut.las"}, folder.path());
         PUNCTUM_EXIT(run, 1);
         QVERIFY2(run.err.contains("another name"), run.said());
         QCOMPARE(contentOf(cut.fileName()), before);

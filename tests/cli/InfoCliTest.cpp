@@ -88,7 +88,7 @@ private slots:
         });
         QVERIFY(count > 0);
 
-        const Outcome run = punctum({"info", "--json", path});
+        const Outcome run = runPunctum({"info", "--json", path});
         PUNCTUM_EXIT(run, 0);
         const QJsonObject info = run.json().object();
         QCOMPARE(info["file"].toString(), path);
@@ -139,7 +139,7 @@ private slots:
         if (!QFile::exists(path)) QSKIP("The file is not here.");
         const auto described = extraBytes(path);
         QVERIFY(!described.empty());
-        const Outcome run = punctum({"info", "--json", path});
+        const Outcome run = runPunctum({"info", "--json", path});
         PUNCTUM_EXIT(run, 0);
         std::map<QString, QJsonObject> extra;
         for (const auto& entry : run.json()["attributes"].toArray())
@@ -190,7 +190,7 @@ private slots:
         QFile changed(folder.filePath("wide.las"));
         QVERIFY(changed.open(QIODevice::WriteOnly) && changed.write(bytes) == bytes.size());
         changed.close();
-        const Outcome run = punctum({"info", "--json", changed.fileName()});
+        const Outcome run = runPunctum({"info", "--json", changed.fileName()});
         PUNCTUM_EXIT(run, 0);
         QVERIFY2(run.out.contains("\"min\": 9007199254740993"), run.out);
         QVERIFY2(run.out.contains("\"max\": 18446744073709551615"), run.out);
@@ -206,7 +206,7 @@ private slots:
         QFETCH(QString, path);
         if (!QFile::exists(path)) QSKIP("The file is not here.");
         for (const QStringList& arguments : {QStringList{"info", path}, QStringList{"info", "--json", path}}) {
-            const Outcome run = punctum(arguments);
+            const Outcome run = runPunctum(arguments);
             PUNCTUM_EXIT(run, 1);
             QVERIFY2(run.oneSentence(), run.said());
             QVERIFY(run.err.contains(QFileInfo(path).fileName()));
@@ -217,16 +217,16 @@ private slots:
     void givesAnArrayForSeveralFiles()
     {
         QTemporaryDir folder;
-        PUNCTUM_EXIT(punctum({"sample", folder.filePath("a.las"), "--points", "1000"}), 0);
-        PUNCTUM_EXIT(punctum({"sample", folder.filePath("b.laz"), "--points", "2000"}), 0);
-        Outcome run = punctum({"info", "--json", "a.las", "b.laz"}, folder.path());
+        PUNCTUM_EXIT(runPunctum({"sample", folder.filePath("a.las"), "--points", "1000"}), 0);
+        PUNCTUM_EXIT(runPunctum({"sample", folder.filePath("b.laz"), "--points", "2000"}), 0);
+        Outcome run = runPunctum({"info", "--json", "a.las", "b.laz"}, folder.path());
         PUNCTUM_EXIT(run, 0);
         QVERIFY(run.json().isArray());
         QCOMPARE(run.json()[0]["points"].toInt(), 1000);
         QCOMPARE(run.json()[1]["file"].toString(), QString("b.laz"));
 
         // one that cannot be read does not hide the other
-        run = punctum({"info", "--json", "a.las", "missing.las", "b.laz"}, folder.path());
+        run = runPunctum({"info", "--json", "a.las", "missing.las", "b.laz"}, folder.path());
         PUNCTUM_EXIT(run, 1);
         QVERIFY(run.oneSentence());
         QCOMPARE(run.json().array().size(), 2);
@@ -235,8 +235,8 @@ private slots:
     void printsText()
     {
         QTemporaryDir folder;
-        PUNCTUM_EXIT(punctum({"sample", folder.filePath("a.las"), "--points", "12345"}), 0);
-        const Outcome run = punctum({"info", folder.filePath("a.las")});
+        PUNCTUM_EXIT(runPunctum({"sample", folder.filePath("a.las"), "--points", "12345"}), 0);
+        const Outcome run = runPunctum({"info", folder.filePath("a.las")});
         PUNCTUM_EXIT(run, 0);
         for (const char* part : {"12,345", "LAS 1.4, point format 7", "Classification", "GpsTime", "Reflectance"})
             QVERIFY2(run.out.contains(part), part);

@@ -19,12 +19,12 @@ private:
     QString path(const QString& name) const { return m_folder.filePath(name); }
 
 private slots:
-    void initTestCase() { PUNCTUM_EXIT(punctum({"sample", path("in.las"), "--points", "30000"}), 0); }
+    void initTestCase() { PUNCTUM_EXIT(runPunctum({"sample", path("in.las"), "--points", "30000"}), 0); }
 
     void reclassifiesARange()
     {
-        const Outcome run = punctum({"process", path("in.las"), "-o", path("out.laz"), "--json", "--step",
-                                     "reclassify attribute=Intensity min=1000 max=20000 class=12"});
+        const Outcome run = runPunctum({"process", path("in.las"), "-o", path("out.laz"), "--json", "--step",
+                                        "reclassify attribute=Intensity min=1000 max=20000 class=12"});
         PUNCTUM_EXIT(run, 0);
         const LaszipFile before(path("in.las"));
         const LaszipFile after(path("out.laz"));
@@ -55,8 +55,9 @@ private slots:
 
     void addsNormalsThatLookUp()
     {
-        PUNCTUM_EXIT(punctum({"process", path("in.las"), "-o", path("normals.las"), "--step", "normals k=12"}), 0);
-        const Outcome info = punctum({"info", "--json", path("normals.las")});
+        PUNCTUM_EXIT(runPunctum({"process", path("in.las"), "-o", path("normals.las"), "--step", "normals k=12"}),
+                     0);
+        const Outcome info = runPunctum({"info", "--json", path("normals.las")});
         PUNCTUM_EXIT(info, 0);
         std::map<QString, QJsonObject> attributes;
         for (const auto& a : info.json()["attributes"].toArray())
@@ -74,9 +75,9 @@ private slots:
     void marksOutliersThenReclassifies()
     {
         // in order: what the first step made 7 the second one makes 18; unquoted, as a shell may hand it over
-        const Outcome run = punctum({"process", path("in.las"), "--step", "outliers", "k=8", "deviations=1.0",
-                                     "class=7", "--step", "reclassify", "attribute=Classification", "min=7",
-                                     "max=7", "class=18", "-o", path("two.las")});
+        const Outcome run = runPunctum({"process", path("in.las"), "--step", "outliers", "k=8", "deviations=1.0",
+                                        "class=7", "--step", "reclassify", "attribute=Classification", "min=7",
+                                        "max=7", "class=18", "-o", path("two.las")});
         PUNCTUM_EXIT(run, 0);
         int sevens = 0;
         int eighteens = 0;
@@ -90,11 +91,11 @@ private slots:
 
     void listsItsSteps()
     {
-        const Outcome text = punctum({"process", "--list-steps"});
+        const Outcome text = runPunctum({"process", "--list-steps"});
         PUNCTUM_EXIT(text, 0);
         for (const char* name : {"normals", "outliers", "reclassify", "deviations=", "radius="})
             QVERIFY2(text.out.contains(name), name);
-        const Outcome json = punctum({"process", "--list-steps", "--json"});
+        const Outcome json = runPunctum({"process", "--list-steps", "--json"});
         PUNCTUM_EXIT(json, 0);
         const QJsonArray steps = json.json().array();
         QVERIFY(steps.size() >= 3);
@@ -119,7 +120,7 @@ private slots:
     {
         QFETCH(QString, step);
         QFETCH(int, exitCode);
-        const Outcome run = punctum({"process", path("in.las"), "-o", path("wrong.las"), "--step", step});
+        const Outcome run = runPunctum({"process", path("in.las"), "-o", path("wrong.las"), "--step", step});
         PUNCTUM_EXIT(run, exitCode);
         QVERIFY2(run.oneSentence(), run.said());
         QVERIFY(!QFile::exists(path("wrong.las")));

@@ -59,7 +59,7 @@ inline Outcome runProgram(const QString& program, const QStringList& arguments, 
 }
 
 /// Runs punctum itself.
-inline Outcome punctum(const QStringList& arguments, const QString& folder = {})
+inline Outcome runPunctum(const QStringList& arguments, const QString& folder = {})
 {
     return runProgram(PUNCTUM_PROGRAM, arguments, folder);
 }

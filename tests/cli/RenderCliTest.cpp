@@ -41,7 +41,7 @@ private:
     QImage render(const QString& name, const QStringList& more)
     {
         const QString out = path(name);
-        const Outcome run = punctum(
+        const Outcome run = runPunctum(
             QStringList{"render", path("in.las"), "-o", out, "--size", "640x400", "--background", "transparent"} +
             more);
         if (run.exitCode != 0) qWarning("%s", run.said().constData());
@@ -49,13 +49,13 @@ private:
     }
 
 private slots:
-    void initTestCase() { PUNCTUM_EXIT(punctum({"sample", path("in.las"), "--points", "400000"}), 0); }
+    void initTestCase() { PUNCTUM_EXIT(runPunctum({"sample", path("in.las"), "--points", "400000"}), 0); }
 
     void showsARealCloud()
     {
         const QString file = realFile("autzen_trim.laz");
         if (!QFile::exists(file)) QSKIP("autzen_trim.laz is not here.");
-        const Outcome run = punctum({"render", file, "-o", path("autzen.png"), "--background", "transparent"});
+        const Outcome run = runPunctum({"render", file, "-o", path("autzen.png"), "--background", "transparent"});
         PUNCTUM_EXIT(run, 0);
         const QImage picture = pictureOf(path("autzen.png"));
         QCOMPARE(picture.size(), QSize(1280, 800));
@@ -105,9 +105,10 @@ private slots:
         QFETCH(QString, samples);
         const QStringList options{"--samples", samples, "--point-size", "2"};
         const QImage cpu = render("cpu.png", options + QStringList{"--backend", "cpu"});
-        const Outcome run = punctum(QStringList{"render", path("in.las"), "-o", path("gl.png"), "--size", "640x400",
-                                                "--background", "transparent", "--backend", "gl-points"} +
-                                    options);
+        const Outcome run =
+            runPunctum(QStringList{"render", path("in.las"), "-o", path("gl.png"), "--size", "640x400",
+                                   "--background", "transparent", "--backend", "gl-points"} +
+                       options);
         if (run.exitCode == 1 && run.err.contains("OpenGL") && run.err.contains("no"))
             QSKIP(qPrintable("This machine has no OpenGL to test: " + run.err));
         PUNCTUM_EXIT(run, 0);
@@ -141,7 +142,7 @@ private slots:
     void takesACameraThatItGave()
     {
         const QStringList common{"render", path("in.las"), "--size", "320x200", "--samples", "1", "--json", "-o"};
-        const Outcome first = punctum(common + QStringList{path("a.png"), "--view", "left"});
+        const Outcome first = runPunctum(common + QStringList{path("a.png"), "--view", "left"});
         PUNCTUM_EXIT(first, 0);
         QCOMPARE(first.json()["width"].toInt(), 320);
         QVERIFY(first.json()["covered"].toDouble() > 0.01);
@@ -149,7 +150,7 @@ private slots:
         QVERIFY(camera.open(QIODevice::WriteOnly));
         camera.write(QJsonDocument(first.json()["camera"].toObject()).toJson());
         camera.close();
-        PUNCTUM_EXIT(punctum(common + QStringList{path("b.png"), "--camera", path("camera.json")}), 0);
+        PUNCTUM_EXIT(runPunctum(common + QStringList{path("b.png"), "--camera", path("camera.json")}), 0);
         QVERIFY(pictureOf(path("a.png")) == pictureOf(path("b.png")));
     }
 
@@ -171,7 +172,7 @@ private slots:
         QVERIFY(camera.open(QIODevice::WriteOnly) && camera.write(content) == content.size());
         camera.close();
         const Outcome run =
-            punctum({"render", path("in.las"), "-o", path("wrong.png"), "--camera", path("wrong.json")});
+            runPunctum({"render", path("in.las"), "-o", path("wrong.png"), "--camera", path("wrong.json")});
         PUNCTUM_EXIT(run, 1);
         QVERIFY2(run.oneSentence(), run.said());
         QVERIFY(!QFile::exists(path("wrong.png")));
@@ -199,7 +200,7 @@ private slots:
         QVERIFY(allGrey);
         QCOMPARE(narrowColors.size(), std::size_t(1));  // everything lies above: one color
 
-        const Outcome run = punctum({"render", path("in.las"), "-o", path("no.png"), "--attribute", "Zest"});
+        const Outcome run = runPunctum({"render", path("in.las"), "-o", path("no.png"), "--attribute", "Zest"});
         PUNCTUM_EXIT(run, 1);
         QVERIFY2(run.oneSentence() && run.err.contains("Intensity"), run.said());
     }
@@ -207,8 +208,8 @@ private slots:
     void paintsTheBackground()
     {
         const auto corner = [this](const QString& background, bool bottom) {
-            punctum({"render", path("in.las"), "-o", path("background.png"), "--size", "200x100", "--view", "top",
-                     "--background", background});
+            runPunctum({"render", path("in.las"), "-o", path("background.png"), "--size", "200x100", "--view",
+                        "top", "--background", background});
             const QImage picture = pictureOf(path("background.png"));
             return picture.pixel(0, bottom ? 99 : 0);
         };
@@ -224,12 +225,12 @@ private slots:
         const QString first = realFile("bcts_1.laz");
         const QString second = realFile("bcts_2.laz");
         if (!QFile::exists(first) || !QFile::exists(second)) QSKIP("bcts_1.laz and bcts_2.laz are not here.");
-        const Outcome run = punctum({"render", first, second, "-o", path("both.png"), "--view", "top", "--size",
-                                     "400x300", "--json", "--samples", "1", "--background", "transparent"});
+        const Outcome run = runPunctum({"render", first, second, "-o", path("both.png"), "--view", "top", "--size",
+                                        "400x300", "--json", "--samples", "1", "--background", "transparent"});
         PUNCTUM_EXIT(run, 0);
         double points = 0;
         for (const QString& file : {first, second}) {
-            const Outcome info = punctum({"info", "--json", file});
+            const Outcome info = runPunctum({"info", "--json", file});
             points += info.json()["points"].toDouble();
         }
         QCOMPARE(run.json()["points"].toDouble(), points);
@@ -245,7 +246,7 @@ private slots:
         QVERIFY2(run.oneSentence(), run.said());
         QVERIFY(QDir(path("full")).isEmpty(QDir::AllEntries | QDir::Hidden | QDir::NoDotAndDotDot));
 
-        const Outcome pipe = punctum({"render", path("in.las"), "-o", "/dev/stdout.png"});
+        const Outcome pipe = runPunctum({"render", path("in.las"), "-o", "/dev/stdout.png"});
         PUNCTUM_EXIT(pipe, 1);
     }
 };

@@ -19,7 +19,7 @@ private slots:
     {
         QTemporaryDir folder;
         const QString path = folder.filePath("survey.laz");
-        PUNCTUM_EXIT(punctum({"sample", path, "--points", "100000"}), 0);
+        PUNCTUM_EXIT(runPunctum({"sample", path, "--points", "100000"}), 0);
         const LaszipFile file(path);
         QCOMPARE(file.version(), 4);
         QCOMPARE(file.format(), 7);
@@ -42,7 +42,7 @@ private slots:
         QVERIFY(reds.size() > 100);
         QVERIFY(lastTime != firstTime);
 
-        const Outcome info = punctum({"info", "--json", path});
+        const Outcome info = runPunctum({"info", "--json", path});
         PUNCTUM_EXIT(info, 0);
         std::set<QString> extra;
         for (const auto& a : info.json()["attributes"].toArray())
@@ -57,7 +57,8 @@ private slots:
         QTemporaryDir folder;
         const auto points = [&](const QString& name, const QStringList& more) {
             const QString path = folder.filePath(name);
-            if (punctum(QStringList{"sample", path, "--points", "20000"} + more).exitCode != 0) return QByteArray();
+            if (runPunctum(QStringList{"sample", path, "--points", "20000"} + more).exitCode != 0)
+                return QByteArray();
             const QByteArray bytes = contentOf(path);
             std::uint32_t offset = 0;
             std::memcpy(&offset, bytes.constData() + 96, 4);

@@ -42,23 +42,23 @@ private:
 private slots:
     void initTestCase()
     {
-        PUNCTUM_EXIT(punctum({"sample", path("in.las"), "--points", "20000"}), 0);
-        PUNCTUM_EXIT(punctum({"sample", path("in.laz"), "--points", "20000"}), 0);
+        PUNCTUM_EXIT(runPunctum({"sample", path("in.las"), "--points", "20000"}), 0);
+        PUNCTUM_EXIT(runPunctum({"sample", path("in.laz"), "--points", "20000"}), 0);
     }
 
     void helpsWithEverything()
     {
         for (const QStringList& command : helpful()) {
-            const Outcome run = punctum(command + QStringList{"--help"});
+            const Outcome run = runPunctum(command + QStringList{"--help"});
             PUNCTUM_EXIT(run, 0);
             QVERIFY(run.out.contains("--help") && run.out.contains("Usage:"));
             QVERIFY(run.err.isEmpty());
-            QCOMPARE(punctum(command + QStringList{"-h"}).out, run.out);
-            const Outcome version = punctum(command + QStringList{"--version"});
+            QCOMPARE(runPunctum(command + QStringList{"-h"}).out, run.out);
+            const Outcome version = runPunctum(command + QStringList{"--version"});
             PUNCTUM_EXIT(version, 0);
             QVERIFY(QRegularExpression("^punctum \\d+\\.\\d+\\.\\d+\n$").match(version.out).hasMatch());
         }
-        const QByteArray help = punctum({"--help"}).out;
+        const QByteArray help = runPunctum({"--help"}).out;
         for (const QString& command : kCommands) QVERIFY(help.contains(command.toUtf8()));
     }
 
@@ -69,7 +69,7 @@ private slots:
         page.replace("\\-", "-");
         const QRegularExpression option("(?<![\\w-])--[a-z][a-z-]+");
         for (const QStringList& command : helpful()) {
-            const QString help = QString::fromUtf8(punctum(command + QStringList{"--help"}).out);
+            const QString help = QString::fromUtf8(runPunctum(command + QStringList{"--help"}).out);
             for (auto found = option.globalMatch(help); found.hasNext();) {
                 const QString name = found.next().captured();
                 QVERIFY2(page.contains(name), qPrintable("punctum " + command.join(' ') + ": " + name));
@@ -121,7 +121,7 @@ private slots:
     {
         QFETCH(QStringList, arguments);
         const QStringList before = entries(m_folder.path());
-        const Outcome run = punctum(arguments);
+        const Outcome run = runPunctum(arguments);
         PUNCTUM_EXIT(run, 2);
         QVERIFY2(run.oneSentence(), run.said());
         QVERIFY2(run.err.contains("--help"), run.said());
@@ -156,7 +156,7 @@ private slots:
                                           {"process", file, "-o", path("out.las"), "--step", "normals k=8"},
                                           {"bench", "load", file}};
         for (const QStringList& command : commands) {
-            const Outcome run = punctum(command);
+            const Outcome run = runPunctum(command);
             PUNCTUM_EXIT(run, 1);
             QVERIFY2(run.oneSentence(), run.said());
             QVERIFY2(run.err.contains(QFileInfo(file).fileName()), run.said());
@@ -171,7 +171,7 @@ private slots:
             QFile cut(path(QString("cut-") + name));
             QVERIFY(cut.open(QIODevice::WriteOnly) && cut.write(whole.left(whole.size() * 2 / 3)) > 0);
             cut.close();
-            const Outcome run = punctum({"info", "--json", cut.fileName()});
+            const Outcome run = runPunctum({"info", "--json", cut.fileName()});
             if (run.exitCode == 1) {  // nothing of it could be saved: then it says so
                 QVERIFY2(run.oneSentence(), run.said());
                 continue;
@@ -192,7 +192,7 @@ private slots:
             {"sample", "/proc/out.las", "--points", "1000"},
             {"render", path("in.las"), "-o", "/proc/out.png", "--size", "9x9"}};
         for (const QStringList& command : commands) {
-            const Outcome run = punctum(command);
+            const Outcome run = runPunctum(command);
             PUNCTUM_EXIT(run, 1);
             QVERIFY2(run.oneSentence(), run.said());
         }
@@ -226,7 +226,7 @@ private slots:
     void namesTheWayWithoutADisplay()
     {
         for (const QStringList& arguments : {QStringList{}, QStringList{path("in.las")}, QStringList{"./info"}}) {
-            const Outcome run = punctum(arguments);
+            const Outcome run = runPunctum(arguments);
             PUNCTUM_EXIT(run, 1);
             QVERIFY2(run.oneSentence(), run.said());
             QVERIFY2(run.err.contains("punctum render"), run.said());
@@ -236,7 +236,7 @@ private slots:
     void readsAFileWithTheNameOfACommand()
     {
         QVERIFY(QFile::copy(path("in.las"), path("info")));
-        const Outcome run = punctum({"info", "--json", "./info"}, m_folder.path());
+        const Outcome run = runPunctum({"info", "--json", "./info"}, m_folder.path());
         PUNCTUM_EXIT(run, 0);
         QCOMPARE(run.json()["points"].toInt(), 20000);
     }
