@@ -91,7 +91,8 @@ void Camera::fit(const WorldBounds& bounds, glm::dvec2 sizePx) noexcept
     if (bounds.empty()) return;
     const glm::dvec3 half = (bounds.max - bounds.min) * 0.5;
     pivot = bounds.min + half;
-    const double tanY = std::tan(fovY / 2);
+    constexpr double kMargin = 1.04;
+    const double tanY = std::tan(fovY / 2) / kMargin;
     const double tanX = tanY * sizePx.x / std::max(sizePx.y, 1.0);
     const glm::dvec3 axes[3] = {right(), up(), forward()};
     // In view axes around the pivot, a corner (u, w) is inside when |u - eyeU| <= tan * (w - eyeW). So of all
@@ -114,8 +115,7 @@ void Camera::fit(const WorldBounds& bounds, glm::dvec2 sizePx) noexcept
         eyeDepth = std::min(eyeDepth, (low[axis] - high[axis]) / (2 * tan));
     }
     for (int axis = 0; axis < 2; ++axis) eyeAcross[axis] = (low[axis] + high[axis]) / 2;
-    constexpr double kMargin = 1.04;
-    const double distance = eyeDepth < 0 ? -eyeDepth * kMargin : 1.0;
+    const double distance = eyeDepth < 0 ? -eyeDepth : 1.0;
     eye = pivot - axes[2] * distance + axes[0] * eyeAcross[0] + axes[1] * eyeAcross[1];
 }
 

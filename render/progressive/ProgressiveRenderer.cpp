@@ -45,7 +45,7 @@ struct ProgressiveRenderer::Entry {
     PointIndex filledAtStart = 0;  ///< points the store had when the pass began
     PointIndex filledAtRange = 0;  ///< points the store had when the range was last computed
 
-    bool passDone() const noexcept { return drawn >= store->slotCount(); }
+    bool passDone() const noexcept { return drawn >= store->slotCount() || filledAtStart == 0; }
     bool complete() const noexcept { return passDone() && filledAtStart == store->filled(); }
 };
 
