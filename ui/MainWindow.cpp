@@ -125,9 +125,17 @@ void MainWindow::addDocks()
     tabifyDockWidget(m_processing, m_properties);
     addDockWidget(Qt::RightDockWidgetArea, m_jobs);
     m_processing->raise();
+    for (QDockWidget* dock : std::initializer_list<QDockWidget*>{m_attributes, m_classes, m_jobs}) {
+        auto* title = new QLabel(dock->windowTitle());
+        title->setProperty("dockTitle", true);
+        dock->setTitleBarWidget(title);
+    }
+    // These two share a place, and their tabs say their names.
+    m_processing->setTitleBarWidget(new QWidget);
+    m_properties->setTitleBarWidget(new QWidget);
     setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
     setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
-    resizeDocks({m_attributes, m_processing}, {290, 300}, Qt::Horizontal);
+    resizeDocks({m_attributes, m_processing}, {330, 310}, Qt::Horizontal);
     resizeDocks({m_attributes, m_classes}, {620, 300}, Qt::Vertical);
     resizeDocks({m_processing, m_jobs}, {700, 170}, Qt::Vertical);
 }

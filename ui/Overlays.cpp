@@ -21,7 +21,7 @@ namespace
 {
 
 // The plates lie on pictures, not on the window: dark in every appearance.
-const QColor kPlate(16, 18, 21, 205);
+const QColor kPlate(12, 14, 16, 200);
 const QColor kPlateText(236, 238, 241);
 const QColor kPlateDim(165, 172, 180);
 const QColor kPlateAccent(0x58, 0xa6, 0xff);
@@ -181,6 +181,7 @@ void CompassOverlay::setCamera(const render::Camera& camera, double pictureHeigh
     m_yaw = camera.yaw;
     m_barLength = barLength;
     m_barText = text;
+    resize(sizeHint());
     update();
 }
 

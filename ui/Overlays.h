@@ -8,6 +8,8 @@
 #include <QStringList>
 #include <QWidget>
 
+#include <algorithm>
+
 namespace punctum::ui
 {
 
@@ -76,7 +78,7 @@ public:
     using OverlayPanel::OverlayPanel;
     /// `unit`: of the coordinates, "" when unknown. `pixelRatio`: px of the picture for each of the widget.
     void setCamera(const render::Camera& camera, double pictureHeightPx, double pixelRatio, const QString& unit);
-    QSize sizeHint() const override { return {250, 44}; }
+    QSize sizeHint() const override { return {std::max(96, 54 + m_barLength + 16), 44}; }
 
 protected:
     void paintEvent(QPaintEvent* event) override;

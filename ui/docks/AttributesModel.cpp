@@ -8,6 +8,7 @@
 #include <QMimeData>
 
 #include <algorithm>
+#include <cmath>
 
 namespace punctum::ui
 {
@@ -30,6 +31,19 @@ QString iconNameOf(AttributeKind kind)
     }
     return QStringLiteral("opaque");
 }
+
+namespace
+{
+
+/// Five digits are enough for a mean that is only looked at.
+QString shortText(double value)
+{
+    if (value == 0.0 || !std::isfinite(value)) return numberText(value);
+    const double unit = std::pow(10.0, std::floor(std::log10(std::fabs(value))) - 4.0);
+    return numberText(std::round(value / unit) * unit);
+}
+
+}  // namespace
 
 void AttributesModel::setDocument(Document* document)
 {
@@ -101,7 +115,7 @@ QString AttributesModel::detail(const Attribute& attribute) const
                 const bool wide = attribute.scaled || isFloating(attribute.type());
                 const auto text = [&](const Value& v) { return wide ? numberText(toDouble(v)) : valueText(v); };
                 parts << tr("%1 to %2").arg(text(f.min), text(f.max));
-                if (attribute.kind == AttributeKind::Scalar) parts << tr("mean %1").arg(numberText(f.mean));
+                if (attribute.kind == AttributeKind::Scalar) parts << tr("mean %1").arg(shortText(f.mean));
             }
         } else {
             double low = toDouble((*figures)[0].min), high = toDouble((*figures)[0].max);

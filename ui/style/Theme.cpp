@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "ui/style/Theme.h"
 
+#include "ui/style/Style.h"
+
 #include <QApplication>
 #include <QFont>
 #include <QPalette>
 #include <QStyle>
-#include <QStyleFactory>
 #include <QStyleHints>
 
 #include <algorithm>
@@ -110,7 +111,6 @@ QStatusBar { background: @window; border-top: 1px solid @border; }
 QStatusBar::item { border: none; }
 QStatusBar QLabel { color: @dim; padding: 3px 10px; }
 
-QDockWidget { titlebar-close-icon: none; titlebar-normal-icon: none; }
 QDockWidget > QWidget { background: @window; }
 QTabBar { qproperty-drawBase: 0; background: transparent; }
 QTabBar::tab { padding: 7px 14px; color: @dim; background: transparent; border: none; border-bottom: 2px solid transparent; }
@@ -151,7 +151,7 @@ QScrollBar::add-line, QScrollBar::sub-line, QScrollBar::add-page, QScrollBar::su
 
 QToolTip { background: @raised; color: @text; border: 1px solid @border; padding: 5px 7px; }
 QLabel[dim="true"] { color: @dim; }
-QLabel[heading="true"] { color: @dim; font-weight: 600; }
+QLabel[dockTitle="true"] { color: @text; font-weight: 600; padding: 9px 12px 3px 12px; }
 )");
     const std::pair<const char*, QColor> tokens[] = {
         {"@accentSoft", c.accentSoft},
@@ -194,8 +194,7 @@ void applyTheme(QApplication& application, Appearance appearance)
     const bool dark =
         appearance == Appearance::Dark || (appearance == Appearance::System && systemIsDark(application));
     const ThemeColors colors = dark ? darkColors() : lightColors();
-    if (QApplication::style()->name().compare(QLatin1String("fusion"), Qt::CaseInsensitive) != 0)
-        QApplication::setStyle(QStyleFactory::create(QStringLiteral("Fusion")));
+    if (!qobject_cast<Style*>(QApplication::style())) QApplication::setStyle(new Style);
     QApplication::setPalette(paletteOf(colors));
     application.setStyleSheet(sheetOf(colors));
 }

@@ -1,0 +1,521 @@
+// SPDX-License-Identifier: MIT
+// The main job by real events: drop a file, drag an attribute, compute, reclassify, undo, save, reopen; and what
+// happens when something goes wrong.
+#include "UiTest.h"
+
+#include "core/edit/History.h"
+#include "core/las/Writer.h"
+#include "core/task/Progress.h"
+#include "ui/MainMenu.h"
+#include "ui/MessageArea.h"
+#include "ui/Overlays.h"
+#include "ui/Text.h"
+#include "ui/ViewSettings.h"
+#include "ui/Viewport.h"
+#include "ui/Workspace.h"
+#include "ui/docks/AttributesDock.h"
+#include "ui/docks/AttributesModel.h"
+#include "ui/docks/ClassesDock.h"
+#include "ui/docks/ClassesModel.h"
+#include "ui/docks/ProcessingDock.h"
+
+#include <QElapsedTimer>
+#include <QSignalSpy>
+#include <QTimer>
+#include <QWheelEvent>
+#include <QWindow>
+
+#include <glm/geometric.hpp>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+using namespace punctum;
+using namespace punctum::ui;
+using namespace punctum::ui::test;
+
+namespace
+{
+
+const QString kAutzen = QStringLiteral("autzen_trim.laz");
+
+/// The median z of the file's points lies in between; what matters is that both sides have many.
+constexpr double kLowZ = 406.0, kHighZ = 425.0;
+
+#define NEED_DATA(name)                                                                        \
+    if (dataFile(name).isEmpty()) QSKIP(qPrintable((name) + QStringLiteral(" is not here."))); \
+    static_assert(true)
+
+}  // namespace
+
+class MainWindowTest : public QObject
+{
+    Q_OBJECT
+private slots:
+    void emptyWindowIdles()
+    {
+        TestWindow test;
+        QVERIFY(test.window->workspace().documents().empty());
+        QVERIFY(test.settle());
+        QTest::qWait(100);
+        const auto before = test.frame()->number;
+        QTest::qWait(300);
+        QCOMPARE(test.frame()->number, before);
+        QVERIFY(!test.window->menu().save->isEnabled());
+        QVERIFY(!test.window->menu().undo->isEnabled());
+    }
+
+    void opensDroppedFile()
+    {
+        NEED_DATA(kAutzen);
+        TestWindow test;
+        QVERIFY(test.settle());
+        const auto empty = test.frame();
+        test.dropFiles({dataFile(kAutzen)});
+        QVERIFY(test.settle());
+        Document* document = test.window->workspace().active();
+        QVERIFY(document);
+        QCOMPARE(document->points(), PointIndex(110000));
+        QVERIFY(!document->loading());
+        QVERIFY(difference(empty->image, test.frame()->image) > 0.05);
+        QVERIFY(test.window->windowTitle().startsWith(kAutzen));
+        QVERIFY(!test.window->isWindowModified());
+        QVERIFY(test.window->viewport().messages().sentences().isEmpty());
+
+        // Idle again: nothing is drawn while nothing changes.
+        const auto number = test.frame()->number;
+        QTest::qWait(300);
+        QCOMPARE(test.frame()->number, number);
+
+        // What is known of the attributes and classes has come, too.
+        QVERIFY(waitFor([&] { return document->figures(QStringLiteral("Z")) && document->classCounts(); }));
+        QVERIFY(document->figures(QStringLiteral("Intensity")));
+        const ClassesModel& classes = test.window->classesDock().model();
+        QCOMPARE(classes.countOf(1) + classes.countOf(2), quint64(110000));
+        QCOMPARE(classes.rowCount(), 2);
+    }
+
+    void showsAttributeDraggedOntoTheView()
+    {
+        NEED_DATA(kAutzen);
+        TestWindow test;
+        QVERIFY(test.open(dataFile(kAutzen)));
+        const auto before = test.frame();
+        QVERIFY(before->attribute != QLatin1String("Classification"));
+
+        AttributesView& list = test.window->attributesDock().view();
+        const QModelIndex index = test.window->attributesDock().model().indexOf(QStringLiteral("Classification"));
+        QVERIFY(index.isValid());
+        list.scrollTo(index);
+        QTest::qWait(50);
+        Viewport& view = test.window->viewport();
+        const QPoint start = list.viewport()->mapTo(&list, list.visualRect(index).center());
+        QString hint;
+        QTimer watch;
+        connect(&watch, &QTimer::timeout, this, [&] {
+            if (view.dropHint().isVisible()) hint = view.dropHint().text();
+        });
+        watch.start(5);
+        dragWithMouse(list, start, view, view.rect().center());
+        QVERIFY(test.settle(QStringLiteral("Classification"), 20000));
+        QCOMPARE(hint, QStringLiteral("Color by Classification"));
+        QVERIFY(!view.dropHint().isVisible());
+        const auto after = test.frame();
+        QCOMPARE(after->camera == before->camera, true);
+        QVERIFY(difference(before->image, after->image) > 0.05);
+
+        // And by a double click on another.
+        const QModelIndex z = test.window->attributesDock().model().indexOf(QStringLiteral("Z"));
+        list.scrollTo(z);
+        QTest::mouseClick(list.viewport(), Qt::LeftButton, {}, list.visualRect(z).center());
+        QTest::mouseDClick(list.viewport(), Qt::LeftButton, {}, list.visualRect(z).center());
+        QVERIFY(test.settle(QStringLiteral("Z")));
+        QVERIFY(waitFor([&] { return view.legend().content().bar; }));
+        QCOMPARE(view.legend().content().title, QStringLiteral("Z"));
+    }
+
+    void navigatesByMouse()
+    {
+        NEED_DATA(kAutzen);
+        TestWindow test;
+        QVERIFY(test.open(dataFile(kAutzen)));
+        Viewport& view = test.window->viewport();
+        const QPoint middle = view.rect().center();
+        const render::Camera fitted = view.camera();
+
+        dragWithMouse(view, middle, view, middle + QPoint(90, 20));
+        QVERIFY(view.camera().yaw != fitted.yaw);
+        const render::Camera turned = view.camera();
+        QTest::mousePress(&view, Qt::RightButton, {}, middle);
+        QTest::mouseMove(&view, middle + QPoint(30, 0));
+        QMouseEvent move(QEvent::MouseMove, middle + QPointF(60, 0), view.mapToGlobal(middle + QPointF(60, 0)),
+                         Qt::NoButton, Qt::RightButton, Qt::NoModifier);
+        QApplication::sendEvent(&view, &move);
+        QTest::mouseRelease(&view, Qt::RightButton, {}, middle + QPoint(60, 0));
+        QCOMPARE(view.camera().yaw, turned.yaw);
+        QVERIFY(glm::length(view.camera().pivot - turned.pivot) > 1.0);
+        view.setCamera(fitted);
+        QVERIFY(test.settle());
+
+        // The wheel zooms to the point under the cursor: that keeps its place.
+        std::optional<PickedPoint> picked;
+        bool replied = false;
+        const QSize size = view.pictureSize();
+        test.window->renderer().pick(size.width() / 2, size.height() / 2, this, [&](const auto& p) {
+            picked = p;
+            replied = true;
+        });
+        QVERIFY(waitFor([&] { return replied; }));
+        QVERIFY(picked.has_value());
+        const glm::dvec2 px(size.width(), size.height());
+        const glm::dvec3 at = view.camera().project(picked->world, px);
+        QWheelEvent wheel(middle, view.mapToGlobal(middle), {}, {0, 240}, Qt::NoButton, Qt::NoModifier,
+                          Qt::NoScrollPhase, false);
+        QApplication::sendEvent(&view, &wheel);
+        QVERIFY(waitFor([&] { return !(view.camera() == fitted); }));
+        const glm::dvec3 after = view.camera().project(picked->world, px);
+        QVERIFY(after.z < at.z * 0.7);
+        QVERIFY(std::abs(after.x - at.x) < 1.0 && std::abs(after.y - at.y) < 1.0);
+
+        // A double click makes it the pivot, in the middle of the picture; F shows everything again.
+        QVERIFY(test.settle());
+        QTest::mouseDClick(&view, Qt::LeftButton, {}, middle);
+        QVERIFY(waitFor([&] { return glm::length(view.camera().pivot - picked->world) < 1e-6; }));
+        QTest::qWait(350);
+        QTest::keyClick(&view, Qt::Key_F);
+        QVERIFY(waitFor([&] { return glm::length(view.camera().eye - fitted.eye) < 1e-6; }));
+    }
+
+    void readsOutThePointUnderTheCursor()
+    {
+        NEED_DATA(kAutzen);
+        TestWindow test;
+        Document* document = test.open(dataFile(kAutzen));
+        QVERIFY(document);
+        Viewport& view = test.window->viewport();
+        QSignalSpy spy(&view, &Viewport::hovered);
+        QTest::mouseMove(&view, view.rect().center() + QPoint(3, 3));
+        QTest::mouseMove(&view, view.rect().center());
+        QVERIFY(waitFor(
+            [&] { return !spy.isEmpty() && spy.last().front().value<std::optional<PickedPoint>>().has_value(); }));
+        const auto point = *spy.last().front().value<std::optional<PickedPoint>>();
+        const glm::dvec3 exact = document->cloud()->world(point.index);
+        QVERIFY(glm::length(exact - point.world) < 0.02);
+        QVERIFY(point.classCode.has_value());
+    }
+
+    void normalsAppearWhileTurning()
+    {
+        NEED_DATA(kAutzen);
+        if (!findStep("normals")) QSKIP("The normals step is not built.");
+        TestWindow test;
+        Document* document = test.open(dataFile(kAutzen));
+        QVERIFY(document);
+        ProcessingDock& dock = test.window->processingDock();
+        dock.chooseStep(QStringLiteral("normals"));
+        QVERIFY(dock.setValue(QStringLiteral("k"), QStringLiteral("16")));
+        dock.run();
+        QVERIFY(dock.running());
+
+        Viewport& view = test.window->viewport();
+        const QPoint middle = view.rect().center();
+        const auto firstFrame = test.frame()->number;
+        const double firstYaw = view.camera().yaw;
+        QTest::mousePress(&view, Qt::LeftButton, {}, middle);
+        int frames = 0, moves = 0;
+        connect(&view, &Viewport::frameShown, &view, [&] { frames += dock.running() ? 1 : 0; });
+        while (dock.running() && moves < 3000) {
+            ++moves;
+            const QPointF at = middle + QPointF(moves % 200, (moves / 3) % 40);
+            QMouseEvent move(QEvent::MouseMove, at, view.mapToGlobal(at), Qt::NoButton, Qt::LeftButton,
+                             Qt::NoModifier);
+            QApplication::sendEvent(&view, &move);
+            QTest::qWait(10);
+        }
+        QTest::mouseRelease(&view, Qt::LeftButton, {}, middle);
+        QVERIFY(!dock.running());
+        QVERIFY2(frames >= std::min(3, moves / 4),
+                 qPrintable(QStringLiteral("%1 frames for %2 moves").arg(frames).arg(moves)));
+        QVERIFY(test.frame()->number > firstFrame);
+        QVERIFY(view.camera().yaw != firstYaw);
+        QVERIFY(test.settle(QStringLiteral("Normal")));
+        QCOMPARE(dock.resultText(), QStringLiteral("Normals: 110,000 points changed."));
+        for (const char* name : {"NormalX", "NormalY", "NormalZ", "Normal"})
+            QVERIFY2(document->findAttribute(QLatin1String(name)), name);
+
+        // Undone, they are gone, and the view shows something that is there.
+        test.window->undo();
+        QVERIFY(waitFor([&] { return !document->findAttribute(QStringLiteral("Normal")); }));
+        QVERIFY(waitFor([&] { return test.settle() && test.frame()->attribute != QLatin1String("Normal"); }));
+    }
+
+    void reclassifyUndoSaveReopen()
+    {
+        NEED_DATA(kAutzen);
+        TestWindow test;
+        Document* document = test.open(dataFile(kAutzen));
+        QVERIFY(document);
+        test.window->showAttribute(QStringLiteral("Classification"));
+        QVERIFY(test.settle(QStringLiteral("Classification")));
+        QVERIFY(waitFor([&] { return document->classCounts().has_value(); }));
+        const auto original = test.frame();
+        const auto originalCounts = *document->classCounts();
+
+        ProcessingDock& dock = test.window->processingDock();
+        dock.chooseStep(QStringLiteral("reclassify"));
+        QVERIFY(dock.setValue(QStringLiteral("attribute"), QStringLiteral("Z")));
+        QVERIFY(dock.setValue(QStringLiteral("min"), QString::number(kLowZ)));
+        QVERIFY(dock.setValue(QStringLiteral("max"), QString::number(kHighZ)));
+        QVERIFY(dock.setValue(QStringLiteral("class"), QStringLiteral("9")));
+        const auto reclassify = [&] {
+            dock.run();
+            return waitFor([&] { return !dock.running(); }) && test.settle() &&
+                   waitFor([&] { return (*document->classCounts())[9] > 0; });
+        };
+        QVERIFY(reclassify());
+        const PointIndex water = (*document->classCounts())[9];
+        QCOMPARE(dock.resultText(), QStringLiteral("Reclassify: %1 changed.").arg(pointsText(water)));
+        QVERIFY(difference(original->image, test.frame()->image) > 0.01);
+        QCOMPARE(test.frame()->camera == original->camera, true);
+        QVERIFY(test.window->isWindowModified());
+        QVERIFY(test.window->menu().undo->isEnabled());
+
+        test.window->menu().undo->trigger();
+        QVERIFY(waitFor([&] { return !document->modified(); }));
+        QVERIFY(test.settle());
+        QVERIFY(waitFor([&] { return *document->classCounts() == originalCounts; }));
+        QCOMPARE(difference(original->image, test.frame()->image), 0.0);
+        QVERIFY(!test.window->isWindowModified());
+        QVERIFY(test.window->menu().redo->isEnabled());
+        test.window->menu().redo->trigger();
+        QVERIFY(waitFor([&] { return document->modified(); }));
+        QVERIFY(test.settle());
+
+        const bool normals = findStep("normals") != nullptr;
+        if (normals) {
+            dock.chooseStep(QStringLiteral("normals"));
+            dock.run();
+            QVERIFY(waitFor([&] { return !dock.running(); }));
+        }
+
+        const QString path = test.folder.filePath(QStringLiteral("saved.laz"));
+        test.window->saveTo(*document, path);
+        QVERIFY(test.settle());
+        QVERIFY(QFile::exists(path));
+        QCOMPARE(document->path(), path);
+        QVERIFY(!test.window->isWindowModified());
+
+        TestWindow again;
+        Document* reopened = again.open(path);
+        QVERIFY(reopened);
+        QCOMPARE(reopened->points(), PointIndex(110000));
+        QVERIFY(waitFor([&] { return reopened->classCounts().has_value(); }));
+        QCOMPARE((*reopened->classCounts())[9], water);
+        for (const char* name : {"X", "Intensity", "GpsTime", "Red"})
+            QVERIFY2(reopened->findAttribute(QLatin1String(name)), name);
+        if (normals) {
+            for (const char* name : {"NormalX", "NormalY", "NormalZ", "Normal"})
+                QVERIFY2(reopened->findAttribute(QLatin1String(name)), name);
+            const Attribute* a = document->findAttribute(QStringLiteral("NormalZ"));
+            const Attribute* b = reopened->findAttribute(QStringLiteral("NormalZ"));
+            for (PointIndex i = 0; i < 110000; i += 977) QCOMPARE(b->number(i), a->number(i));
+        }
+    }
+
+    void hidesClasses()
+    {
+        NEED_DATA(kAutzen);
+        TestWindow test;
+        Document* document = test.open(dataFile(kAutzen));
+        QVERIFY(document);
+        QVERIFY(waitFor([&] { return document->classCounts().has_value(); }));
+        const auto all = test.frame();
+        ClassesModel& model = test.window->classesDock().model();
+        QVERIFY(model.setData(model.index(0, ClassesModel::Visible), Qt::Unchecked, Qt::CheckStateRole));
+        QVERIFY(test.settle());
+        QVERIFY(waitFor([&] { return difference(all->image, test.frame()->image) > 0.01; }));
+        test.window->viewSettings().setAllClassesVisible(true);
+        QVERIFY(waitFor(
+            [&] { return test.frame()->report.converged && difference(all->image, test.frame()->image) == 0.0; }));
+    }
+
+    void badFilesChangeNothing_data()
+    {
+        QTest::addColumn<QByteArray>("content");
+        QTest::newRow("missing") << QByteArray();
+        QTest::newRow("empty") << QByteArray("");
+        QTest::newRow("foreign")
+            << QByteArray("GIF89a, or some other file that is no point cloud at all").repeated(20);
+        QTest::newRow("header only") << QByteArray("LASF").leftJustified(100, '\0');
+    }
+    void badFilesChangeNothing()
+    {
+        NEED_DATA(kAutzen);
+        QFETCH(QByteArray, content);
+        TestWindow test;
+        Document* document = test.open(dataFile(kAutzen));
+        QVERIFY(document);
+        const auto before = test.frame();
+        const QString path = test.folder.filePath(QStringLiteral("bad.las"));
+        if (!content.isNull()) {
+            QFile file(path);
+            QVERIFY(file.open(QIODevice::WriteOnly));
+            file.write(content);
+        }
+        test.dropFiles({path});
+        QVERIFY(waitFor([&] { return !test.window->viewport().messages().sentences().isEmpty(); }));
+        QVERIFY(test.settle());
+        const QStringList said = test.window->viewport().messages().sentences();
+        QCOMPARE(said.size(), 1);
+        QVERIFY(said.front().contains(QStringLiteral("bad.las")));
+        QVERIFY2(said.front().endsWith(QLatin1Char('.')), qPrintable(said.front()));
+        QCOMPARE(test.window->workspace().active(), document);
+        QCOMPARE(test.window->workspace().documents().size(), std::size_t(1));
+        QCOMPARE(difference(before->image, test.frame()->image), 0.0);
+        QCOMPARE(test.window->viewport().camera() == before->camera, true);
+    }
+
+    void cancelledLoadChangesNothing()
+    {
+        NEED_DATA(kAutzen);
+        TestWindow test;
+        Document* document = test.open(dataFile(kAutzen));
+        QVERIFY(document);
+        const auto before = test.frame();
+        const QString path = test.folder.filePath(QStringLiteral("large.laz"));
+        writeSample(path, 1'500'000);
+        test.window->openFiles({path});
+        // As soon as its first points show.
+        QVERIFY(waitFor([&] { return test.window->workspace().documents().size() == 2; }));
+        test.window->workspace().jobs().cancelAll();
+        QElapsedTimer clock;
+        clock.start();
+        QVERIFY(waitFor([&] { return test.window->workspace().documents().size() == 1; }));
+        qInfo("the cancelled load was gone after %lld ms", clock.elapsed());
+        QVERIFY(test.settle());
+        QCOMPARE(test.window->workspace().active(), document);
+        QVERIFY(test.window->viewport().messages().sentences().isEmpty());
+        QVERIFY(waitFor([&] { return difference(before->image, test.frame()->image) == 0.0; }, 5000));
+    }
+
+    void fullDiskOnSaving()
+    {
+        NEED_DATA(kAutzen);
+        TestWindow test;
+        Document* document = test.open(dataFile(kAutzen));
+        QVERIFY(document);
+        const QString path = test.folder.filePath(QStringLiteral("full.las"));
+        QFile old(path);
+        QVERIFY(old.open(QIODevice::WriteOnly));
+        old.write("what was there before");
+        old.close();
+        rlimit limit{};
+        getrlimit(RLIMIT_FSIZE, &limit);
+        rlimit small = limit;
+        small.rlim_cur = 100'000;
+        setrlimit(RLIMIT_FSIZE, &small);
+        test.window->saveTo(*document, path);
+        const bool ended = waitFor([&] { return test.window->workspace().jobs().idle(); });
+        setrlimit(RLIMIT_FSIZE, &limit);
+        QVERIFY(ended);
+        QVERIFY(waitFor([&] { return !test.window->viewport().messages().sentences().isEmpty(); }));
+        const QString said = test.window->viewport().messages().sentences().front();
+        QVERIFY2(said.contains(QStringLiteral("full.las")), qPrintable(said));
+        QVERIFY(old.open(QIODevice::ReadOnly));
+        QCOMPARE(old.readAll(), QByteArray("what was there before"));
+        QCOMPARE(QDir(test.folder.path()).entryList({QStringLiteral("full*")}, QDir::Files | QDir::Hidden).size(),
+                 1);
+        QCOMPARE(document->path(), dataFile(kAutzen));
+    }
+
+    void screenshotIsTheFinishedPicture()
+    {
+        NEED_DATA(kAutzen);
+        TestWindow test;
+        QVERIFY(test.open(dataFile(kAutzen)));
+        const QString path = test.folder.filePath(QStringLiteral("shot.png"));
+        test.window->exportScreenshotTo(path);
+        QVERIFY(test.settle());
+        const QImage shot(path);
+        const auto frame = test.frame();
+        QCOMPARE(shot.size(), QSize(frame->image.width, frame->image.height));
+        const QImage shown(reinterpret_cast<const uchar*>(frame->image.pixels.data()), frame->image.width,
+                           frame->image.height, QImage::Format_RGBA8888);
+        QCOMPARE(shot.convertToFormat(QImage::Format_RGBA8888), shown);
+
+        test.window->setTransparentScreenshots(true);
+        test.window->exportScreenshotTo(path);
+        QVERIFY(test.settle());
+        const QImage bare(path);
+        QVERIFY(bare.hasAlphaChannel());
+        QCOMPARE(qAlpha(bare.pixel(0, 0)), 0);
+        QCOMPARE(difference(frame->image, test.frame()->image), 0.0);
+    }
+
+    void closingAsksOnce()
+    {
+        NEED_DATA(kAutzen);
+        TestWindow test;
+        Document* document = test.open(dataFile(kAutzen));
+        QVERIFY(document);
+        int asked = 0;
+        MainWindow::Unsaved answer = MainWindow::Unsaved::Cancel;
+        test.window->askUnsaved = [&](const QString&) {
+            ++asked;
+            return answer;
+        };
+        const Step* step = findStep("reclassify");
+        QVERIFY(step);
+        test.window->workspace().run(*document, *step,
+                                     {{"attribute", "Z"}, {"min", "400"}, {"max", "430"}, {"class", "6"}});
+        QVERIFY(waitFor([&] { return test.window->isWindowModified(); }));
+        test.window->closeActive();
+        QCOMPARE(asked, 1);
+        QCOMPARE(test.window->workspace().documents().size(), std::size_t(1));
+        answer = MainWindow::Unsaved::Discard;
+        QVERIFY(test.window->close());
+        QCOMPARE(asked, 2);
+    }
+
+    void worksWithoutOpenGl()
+    {
+        NEED_DATA(kAutzen);
+        TestWindow test(true);
+        QVERIFY(!test.window->viewport().usesOpenGl());
+        QVERIFY(test.open(dataFile(kAutzen)));
+        const QImage seen = test.window->viewport().grab().toImage();
+        QVERIFY(seen.size() == test.window->viewport().pictureSize());
+        // The middle of the view is the picture itself: no overlay lies there.
+        const auto frame = test.frame();
+        int unlike = 0;
+        for (int x = 300; x < 400; ++x) {
+            const render::Rgba8 c = frame->image.at(x, frame->image.height / 2);
+            unlike += seen.pixel(x, frame->image.height / 2) == qRgb(c.r, c.g, c.b) ? 0 : 1;
+        }
+        QCOMPARE(unlike, 0);
+    }
+
+    void openGlViewShowsTheSamePixels()
+    {
+        NEED_DATA(kAutzen);
+        TestWindow test;
+        if (!test.window->viewport().usesOpenGl()) QSKIP("There is no OpenGL for widgets on this platform.");
+        QVERIFY(test.open(dataFile(kAutzen)));
+        QTest::qWait(100);
+        const QImage seen = test.window->viewport().grab().toImage();
+        const auto frame = test.frame();
+        int unlike = 0;
+        for (int x = 300; x < 400; ++x) {
+            const render::Rgba8 c = frame->image.at(x, frame->image.height / 2);
+            unlike +=
+                (seen.pixel(x, frame->image.height / 2) & RGB_MASK) == (qRgb(c.r, c.g, c.b) & RGB_MASK) ? 0 : 1;
+        }
+        QCOMPARE(unlike, 0);
+    }
+};
+
+int main(int argc, char** argv)
+{
+    return runUiTest(argc, argv, [] { return std::make_unique<MainWindowTest>(); });
+}
+#include "MainWindowTest.moc"

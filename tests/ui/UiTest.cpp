@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include "UiTest.h"
+
+#include "core/las/Writer.h"
+#include "core/sample/Sample.h"
+#include "core/task/Progress.h"
+#include "ui/Text.h"
+#include "ui/Viewport.h"
+#include "ui/Workspace.h"
+#include "ui/style/Theme.h"
+
+#include <QApplication>
+#include <QDragEnterEvent>
+#include <QDropEvent>
+#include <QElapsedTimer>
+#include <QFileInfo>
+#include <QMimeData>
+#include <QTimer>
+#include <QUrl>
+#include <QWindow>
+
+#include <csignal>
+
+namespace punctum::ui::test
+{
+
+int runUiTest(int argc, char** argv, const std::function<std::unique_ptr<QObject>()>& make)
+{
+    if (qEnvironmentVariableIsEmpty("QT_QPA_PLATFORM") && qEnvironmentVariableIsEmpty("DISPLAY"))
+        qputenv("QT_QPA_PLATFORM", "offscreen");
+    std::signal(SIGXFSZ, SIG_IGN);  // as the program does: a limit on files is an error of write()
+    QApplication application(argc, argv);
+    applyTheme(application, Appearance::Dark);
+    QTEST_SET_MAIN_SOURCE_PATH
+    const auto test = make();
+    return QTest::qExec(test.get(), argc, argv);
+}
+
+QString dataFile(const QString& name)
+{
+    const QString path = QStringLiteral(PUNCTUM_TEST_DATA "/") + name;
+    return QFileInfo::exists(path) ? path : QString();
+}
+
+bool waitFor(const std::function<bool()>& done, int timeoutMs)
+{
+    return QTest::qWaitFor(done, timeoutMs);
+}
+
+TestWindow::TestWindow(bool rasterView)
+{
+    WindowOptions options;
+    options.settingsFile = folder.filePath(QStringLiteral("settings.ini"));
+    options.backend = render::BackendKind::Cpu;
+    options.rasterView = rasterView;
+    window = std::make_unique<MainWindow>(options);
+    window->resize(1280, 800);
+    window->show();
+    if (!QTest::qWaitForWindowExposed(window.get())) qWarning("The window was not shown.");
+}
+
+bool TestWindow::settle(const QString& attribute, int timeoutMs)
+{
+    return waitFor(
+        [&] {
+            const auto now = frame();
+            return now && now->report.converged && window->workspace().jobs().idle() &&
+                   !window->workspace().opening() && (attribute.isEmpty() || now->attribute == attribute);
+        },
+        timeoutMs);
+}
+
+Document* TestWindow::open(const QString& path)
+{
+    window->openFiles({path});
+    if (!settle()) return nullptr;
+    return window->workspace().active();
+}
+
+void TestWindow::dropFiles(const QStringList& paths)
+{
+    QMimeData mime;
+    QList<QUrl> urls;
+    for (const QString& path : paths) urls << QUrl::fromLocalFile(path);
+    mime.setUrls(urls);
+    Viewport& view = window->viewport();
+    const QPoint middle = view.rect().center();
+    QDragEnterEvent enter(middle, Qt::CopyAction, &mime, Qt::LeftButton, Qt::NoModifier);
+    QApplication::sendEvent(&view, &enter);
+    QVERIFY(enter.isAccepted());
+    QDropEvent drop(middle, Qt::CopyAction, &mime, Qt::LeftButton, Qt::NoModifier);
+    QApplication::sendEvent(&view, &drop);
+    QVERIFY(drop.isAccepted());
+}
+
+void dragWithMouse(QWidget& from, QPoint start, QWidget& to, QPoint end)
+{
+    QWindow* window = from.window()->windowHandle();
+    const QPoint a = from.mapTo(from.window(), start);
+    const QPoint b = to.mapTo(to.window(), end);
+    constexpr int kSteps = 12;
+    // A drag of an item runs an event loop of its own inside a mouse move, so the moves come from a timer.
+    int step = 0;
+    QTimer mover;
+    QObject::connect(&mover, &QTimer::timeout, &mover, [&] {
+        ++step;
+        if (step <= kSteps) {
+            QTest::mouseMove(window, a + (b - a) * step / kSteps);
+        } else if (step == kSteps + 2) {
+            QTest::mouseRelease(window, Qt::LeftButton, Qt::NoModifier, b);
+        } else if (step > kSteps + 2) {
+            mover.stop();
+        }
+    });
+    QTest::mousePress(window, Qt::LeftButton, Qt::NoModifier, a);
+    mover.start(20);
+    waitFor([&] { return step > kSteps + 2; }, 20000);
+}
+
+double difference(const render::Image& a, const render::Image& b)
+{
+    if (a.width != b.width || a.height != b.height || a.pixels.empty()) return 1.0;
+    std::size_t unlike = 0;
+    for (std::size_t i = 0; i < a.pixels.size(); ++i) unlike += a.pixels[i] == b.pixels[i] ? 0 : 1;
+    return double(unlike) / double(a.pixels.size());
+}
+
+void writeSample(const QString& path, std::uint64_t points)
+{
+    Progress progress;
+    const auto cloud = makeSample(points, 7, progress);
+    las::WriteOptions options;
+    options.compressed = las::isCompressedName(toPath(path));
+    options.verify = false;
+    las::write(*cloud, toPath(path), options, progress);
+}
+
+}  // namespace punctum::ui::test
