@@ -139,15 +139,14 @@ private:
             return true;
         }
         if (m_info.compressor == LazInfo::Layered) {
-            std::vector<std::byte> head(std::min<std::size_t>(std::size_t(last.bytes), headBytes()));
-            m_file.readAt(last.offset, head);
-            std::uint32_t count = 0;
-            std::uint64_t bytes = 0;
-            if (!layeredChunkSize(head, m_info, count, bytes)) return keepStated(last);
+            const std::uint32_t count = statedIn(last);
+            if (count == 0) return keepStated(last);
             if (count > m_info.chunkSize) return false;
             last.count = count;
-            if (std::find(m_counts.begin(), m_counts.end(), before + count) == m_counts.end())
-                warnCount(stated(), before + count);
+            if (std::find(m_counts.begin(), m_counts.end(), before + count) != m_counts.end()) return true;
+            // The header's count is wrong, or the chunk size: the first chunk tells.
+            if (chunks.size() > 1 && statedIn(chunks.front()) != m_info.chunkSize) return false;
+            warnCount(stated(), before + count);
             return true;
         }
         for (const std::uint64_t n : m_counts) {
@@ -158,6 +157,16 @@ private:
             if (endsExactly(last)) return true;
         }
         return countByDecoding();
+    }
+
+    /// Points that a layered chunk says it has; 0 when its head is damaged.
+    std::uint32_t statedIn(const Chunk& c) const
+    {
+        std::vector<std::byte> head(std::min<std::size_t>(std::size_t(c.bytes), headBytes()));
+        m_file.readAt(c.offset, head);
+        std::uint32_t count = 0;
+        std::uint64_t bytes = 0;
+        return layeredChunkSize(head, m_info, count, bytes) ? count : 0;
     }
 
     /// The head of the last chunk is damaged: reading will find that out, here only its size matters.
@@ -191,6 +200,9 @@ private:
         std::vector<Chunk>& chunks = m_list.chunks;
         // The first chunk tells whether the stated size is right for all but the last.
         const bool sizeHolds = chunks.size() > 1 && endsExactly(chunks.front());
+        if (!sizeHolds && chunks.size() > 1)
+            m_list.warnings.push_back("The stated chunk size " + number(m_info.chunkSize) +
+                                      " is wrong; the chunks were counted.");
         std::uint64_t first = 0;
         for (Chunk& c : chunks) {
             c.first = first;
@@ -275,7 +287,8 @@ private:
             std::uint32_t count = 0;
             std::uint64_t bytes = 0;
             if (!layeredChunkSize(head, m_info, count, bytes) || bytes > end - at || count > kMostPoints) break;
-            if (!m_info.variable() && count > m_info.chunkSize) break;
+            // Without the table's position as the goal, the other figures must do to tell chunks from other bytes.
+            if (untilAllFound && !m_info.variable() && count > m_info.chunkSize) break;
             if (untilAllFound && count > stated() - points) break;
             m_list.chunks.push_back({at, bytes, points, count});
             at += bytes;

@@ -140,8 +140,8 @@ void LasWriterTest::noEditKeepsEveryByteOfLas()
         QVERIFY(report.notes.empty());
         return;
     }
-    const auto& before = *las::Reader::open(path)->source();
-    const auto& after = *las::Reader::open(out)->source();
+    const auto sourceBefore = las::Reader::open(path)->source(), sourceAfter = las::Reader::open(out)->source();
+    const las::SourceFile &before = *sourceBefore, &after = *sourceAfter;
     const bool copc = before.findVlr("copc", 1) != nullptr;
     QVERIFY(records(out) == records(path));
     QVERIFY(before.tail == after.tail);
