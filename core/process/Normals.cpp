@@ -1,1 +1,127 @@
 // SPDX-License-Identifier: MIT
+#include "core/process/Normals.h"
+
+#include "core/Error.h"
+#include "core/process/Neighbors.h"
+#include "core/process/Values.h"
+#include "core/task/Progress.h"
+
+#include <pcl/features/normal_3d.h>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
+#include <array>
+#include <cmath>
+#include <mutex>
+
+namespace punctum {
+
+namespace {
+
+constexpr std::array<const char*, 3> kNames = {"NormalX", "NormalY", "NormalZ"};
+
+/// The plane's normal, turned upward; zero when there is no plane.
+std::array<float, 3> normalOf(const Neighborhood& n)
+{
+    if (n.offsets.size() < 3) return {0, 0, 0};
+    thread_local pcl::PointCloud<pcl::PointXYZ> patch;  // keeps its memory from point to point
+    patch.resize(n.offsets.size());
+    for (std::size_t k = 0; k < n.offsets.size(); ++k)
+        patch[k].getVector3fMap() = Eigen::Vector3f(n.offsets[k][0], n.offsets[k][1], n.offsets[k][2]);
+    Eigen::Vector4f plane;
+    float curvature = 0;
+    if (!pcl::computePointNormal(patch, plane, curvature)) return {0, 0, 0};
+    const float length = plane.head<3>().norm();
+    if (!std::isfinite(length) || length < 0.5f) return {0, 0, 0};
+    const float turn = (plane[2] < 0 ? -1.0f : 1.0f) / length;
+    return {plane[0] * turn, plane[1] * turn, plane[2] * turn + 0.0f};
+}
+
+/// The attributes to fill: of the type that the cloud has under these names, if any.
+std::vector<Attribute> makeAttributes(const PointCloud& cloud)
+{
+    std::vector<Attribute> attributes;
+    const std::shared_lock lock(cloud.mutex());
+    for (const char* name : kNames) {
+        Attribute a;
+        a.name = name;
+        a.description = "normal, upward";
+        ScalarType type = ScalarType::F32;
+        if (const Attribute* there = cloud.findAttribute(name)) {
+            if (!isFloating(there->type()) || there->scaled || there->components != 1 ||
+                there->columns[0]->components() != 1)
+                throw Error(std::string("normals: the cloud's attribute ") + name +
+                            " does not hold plain decimal numbers, so normals cannot be kept in it.");
+            type = there->type();
+        }
+        a.columns[0] = std::make_shared<Column>(name, type, cloud.size());
+        attributes.push_back(std::move(a));
+    }
+    const bool oneType =
+        attributes[0].type() == attributes[1].type() && attributes[0].type() == attributes[2].type();
+    if (oneType) {
+        Attribute vector = attributes[0];
+        vector.name = "Normal";
+        vector.kind = AttributeKind::Vector;
+        vector.components = 3;
+        for (std::size_t c = 0; c < 3; ++c) vector.columns[c] = attributes[c].columns[0];
+        attributes.push_back(std::move(vector));
+    }
+    return attributes;
+}
+
+}  // namespace
+
+std::string NormalsStep::help() const
+{
+    return "Fits a plane to the neighbours of each point (PCL, least squares) and keeps its normal, turned upward, "
+           "as NormalX, NormalY, NormalZ. Points without a plane get (0, 0, 0).";
+}
+
+std::vector<StepParameter> NormalsStep::parameters() const
+{
+    std::vector<StepParameter> p(2);
+    p[0].key = "k";
+    p[0].label = "Neighbours";
+    p[0].help = "How many nearest points the plane is fitted to, the point itself among them.";
+    p[0].type = StepParameter::Type::Integer;
+    p[0].preset = "16";
+    p[0].min = 3;
+    p[0].max = 1000;
+    p[1].key = "radius";
+    p[1].label = "Radius";
+    p[1].help = "Use all points within this distance instead of k nearest ones.";
+    p[1].type = StepParameter::Type::Real;
+    p[1].min = 1e-9;
+    p[1].max = 1e9;
+    p[1].optional = true;
+    p[1].unit = "m";
+    return p;
+}
+
+std::unique_ptr<Command> NormalsStep::run(const PointCloud& cloud, const StepValues& values,
+                                          Progress& progress) const
+{
+    const StepValues complete = completeValues(*this, values);
+    if (cloud.size() == 0) return nullptr;
+    auto attributes = makeAttributes(cloud);
+    std::array<Column*, 3> columns{};
+    for (std::size_t c = 0; c < 3; ++c) columns[c] = attributes[c].columns[0].get();
+    const auto visit = [&columns](const Neighborhood& n) {
+        const auto normal = normalOf(n);
+        for (std::size_t c = 0; c < 3; ++c) {
+            if (columns[c]->type() == ScalarType::F32)
+                reinterpret_cast<float*>(columns[c]->data())[n.point] = normal[c];
+            else
+                reinterpret_cast<double*>(columns[c]->data())[n.point] = double(normal[c]);
+        }
+    };
+    const KdOrder order(cloud, progress);
+    if (const auto radius = realValue(complete, "radius"))
+        forEachWithin(order, *radius, "Fitting normals", progress, visit);
+    else
+        forEachNearest(order, std::size_t(*integerValue(complete, "k")), "Fitting normals", progress, visit);
+    return std::make_unique<AttributesCommand>("Normals", std::move(attributes));
+}
+
+}  // namespace punctum

@@ -1,1 +1,126 @@
 // SPDX-License-Identifier: MIT
+#include "core/process/Outliers.h"
+
+#include "core/process/ClassEdit.h"
+#include "core/process/Neighbors.h"
+#include "core/process/Values.h"
+#include "core/task/Progress.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+namespace punctum {
+
+namespace {
+
+constexpr std::size_t kBlock = 1 << 16;     ///< points; whole words of a PointSet
+constexpr std::size_t kSlab = kBlock * 32;  ///< points read under one lock
+
+struct Sums {
+    double sum = 0, squares = 0;
+};
+
+/// Sums of blocks, added in the order of the blocks: the same on any number of threads.
+Sums sumUp(const std::vector<float>& distances, const Progress& progress)
+{
+    std::vector<Sums> blocks((distances.size() + kBlock - 1) / kBlock);
+    tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t b) {
+        if (progress.cancelled()) return;
+        const std::size_t last = std::min(distances.size(), (b + 1) * kBlock);
+        for (std::size_t i = b * kBlock; i < last; ++i) {
+            blocks[b].sum += double(distances[i]);
+            blocks[b].squares += double(distances[i] * distances[i]);  // squared as a float, as PCL has it
+        }
+    });
+    progress.check();
+    Sums all;
+    for (const Sums& s : blocks) {
+        all.sum += s.sum;
+        all.squares += s.squares;
+    }
+    return all;
+}
+
+}  // namespace
+
+std::string OutliersStep::help() const
+{
+    return "Classifies points whose mean distance to their neighbours is unusually large (PCL's statistical "
+           "outlier "
+           "removal, Rusu et al. 2008).";
+}
+
+std::vector<StepParameter> OutliersStep::parameters() const
+{
+    using Type = StepParameter::Type;
+    std::vector<StepParameter> p(3);
+    p[0].key = "k";
+    p[0].label = "Neighbours";
+    p[0].help = "How many nearest points the mean distance is taken of, not counting the point itself.";
+    p[0].type = Type::Integer;
+    p[0].preset = "8";
+    p[0].min = 1;
+    p[0].max = 1000;
+    p[1].key = "deviations";
+    p[1].label = "Deviations";
+    p[1].help = "How many standard deviations above the mean a point is an outlier.";
+    p[1].preset = "1.0";
+    p[1].min = 0;
+    p[1].max = 100;
+    p[2].key = "class";
+    p[2].label = "Class";
+    p[2].help = "The class outliers get.";
+    p[2].type = Type::ClassCode;
+    p[2].preset = "7";
+    return p;
+}
+
+std::unique_ptr<Command> OutliersStep::run(const PointCloud& cloud, const StepValues& values,
+                                           Progress& progress) const
+{
+    const StepValues complete = completeValues(*this, values);
+    const auto k = std::size_t(*integerValue(complete, "k"));
+    const auto code = std::uint32_t(*integerValue(complete, "class"));
+    const Attribute classes = classAttribute(cloud, code);
+    // Of k points or fewer none has k neighbours; nothing is unusual then.
+    if (cloud.size() <= k) return nullptr;
+
+    std::vector<float> distances(cloud.size());
+    {
+        const KdOrder order(cloud, progress);
+        forEachNearest(order, k + 1, "Measuring distances", progress, [&](const Neighborhood& n) {
+            double sum = 0;
+            for (std::size_t j = 1; j <= k; ++j) sum += double(std::sqrt(n.squared[j]));  // 0 is the point itself
+            distances[n.point] = float(sum / double(k));
+        });
+    }
+    const Sums sums = sumUp(distances, progress);
+    const auto count = double(cloud.size());
+    const double mean = sums.sum / count;
+    const double variance = (sums.squares - sums.sum * sums.sum / count) / (count - 1);
+    const double threshold = mean + *realValue(complete, "deviations") * std::sqrt(std::max(0.0, variance));
+
+    auto points = std::make_shared<PointSet>(cloud.size());
+    const std::uint8_t* const byte = classes.columns[0]->values<std::uint8_t>().data();
+    const auto mask = std::uint8_t(classes.maxBits() << classes.bitShift);
+    const auto bits = std::uint8_t(code << classes.bitShift);
+    for (std::size_t slab = 0; slab < distances.size(); slab += kSlab) {
+        progress.check();
+        const std::size_t end = std::min(distances.size(), slab + kSlab);
+        const std::shared_lock lock(cloud.mutex());
+        tbb::this_task_arena::isolate([&] {
+            tbb::parallel_for(slab, end, kBlock, [&](std::size_t first) {
+                const std::size_t last = std::min(end, first + kBlock);
+                for (std::size_t i = first; i < last; ++i)
+                    if (double(distances[i]) > threshold && (byte[i] & mask) != bits) points->insert(i);
+            });
+        });
+    }
+    return makeClassCommand("Outliers to " + classLabel(code), classes, std::move(points), code);
+}
+
+}  // namespace punctum

@@ -2,6 +2,8 @@
 #include "core/process/Step.h"
 
 #include "core/Error.h"
+#include "core/process/Normals.h"
+#include "core/process/Outliers.h"
 #include "core/process/Reclassify.h"
 #include "core/process/Values.h"
 
@@ -144,8 +146,10 @@ std::string textValue(const StepValues& values, std::string_view key)
 
 std::span<const Step* const> allSteps()
 {
+    static const NormalsStep normals;
+    static const OutliersStep outliers;
     static const ReclassifyStep reclassify;
-    static const std::array<const Step*, 1> steps{&reclassify};
+    static const std::array<const Step*, 3> steps{&normals, &outliers, &reclassify};
     return steps;
 }
 

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/cloud/PointCloud.h"
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace punctum {
+
+class Progress;
+
+/// The points of a cloud sorted into the leaves of a kd-tree (Bentley 1975), each with its tight box.
+///
+/// It serves two ends: near points lie together, so that the cloud can be worked on piece by piece whatever its
+/// density; and the exact neighbours of a single point can be found across all pieces. The splits are the medians
+/// of a sample, so that sorting is one parallel pass that can be cancelled, and the same on any number of threads.
+/// Distances are computed from the raw integers in double: coordinates of any size keep their precision.
+///
+/// Coordinates never change, so nothing is locked after construction. Every question may be asked from any thread.
+class KdOrder {
+public:
+    using Raw = std::array<std::int32_t, 3>;
+
+    /// Box of raw coordinates; empty when min > max.
+    struct Box {
+        Raw min{INT32_MAX, INT32_MAX, INT32_MAX};
+        Raw max{INT32_MIN, INT32_MIN, INT32_MIN};
+        bool empty() const noexcept { return min[0] > max[0]; }
+        void include(const Box& other) noexcept;
+        friend bool operator==(const Box&, const Box&) = default;
+    };
+    struct Found {
+        double squared = 0;  ///< distance, squared
+        std::uint32_t point = 0;
+        friend bool operator<(const Found& a, const Found& b)
+        {
+            return a.squared < b.squared || (a.squared == b.squared && a.point < b.point);
+        }
+    };
+
+    /// Takes cloud.mutex() shared for a moment. Throws Cancelled, and Error when there are more than 2^32 points.
+    KdOrder(const PointCloud& cloud, Progress& progress);
+
+    std::size_t size() const noexcept { return m_order.size(); }
+    /// Nodes of the tree are numbered from 1 (the root); the children of n are 2n and 2n + 1.
+    const Box& box(std::size_t node) const noexcept { return m_boxes[node]; }
+    bool isLeaf(std::size_t node) const noexcept { return node >= m_leaves; }
+    /// The points below a node.
+    std::span<const std::uint32_t> points(std::size_t node) const noexcept;
+    /// Nodes of one level that have about `most` points or fewer, and together all points.
+    std::vector<std::size_t> tiles(std::size_t most) const;
+
+    Raw raw(std::uint32_t point) const noexcept { return {m_axes[0][point], m_axes[1][point], m_axes[2][point]}; }
+    /// From `origin`, which may lie between raw values, in the units of the coordinates.
+    std::array<float, 3> local(std::uint32_t point, const std::array<double, 3>& origin) const noexcept
+    {
+        return {float((double(m_axes[0][point]) - origin[0]) * m_scale[0]),
+                float((double(m_axes[1][point]) - origin[1]) * m_scale[1]),
+                float((double(m_axes[2][point]) - origin[2]) * m_scale[2])};
+    }
+    const std::array<double, 3>& scale() const noexcept { return m_scale; }
+    double squaredDistance(std::uint32_t a, std::uint32_t b) const noexcept { return squaredDistance(raw(a), b); }
+    /// Squared distance from a place to the nearest place of a box.
+    double squaredDistance(const Raw& from, const Box& box) const noexcept;
+
+    /// The k points nearest to `point`, itself among them, nearest first; all points when there are not so many.
+    void nearest(std::uint32_t point, std::size_t k, std::vector<Found>& found) const;
+    /// The points not further than `radius`, `point` itself among them, in no order. False when cancelled
+    /// meanwhile.
+    bool within(std::uint32_t point, double radius, std::vector<Found>& found, const Progress& progress) const;
+    /// Calls f(leaf) for each leaf with points in [min, max] (raw, may lie between values) that is not below
+    /// `except`.
+    template <typename F>
+    void forLeavesIn(const std::array<double, 3>& min, const std::array<double, 3>& max, std::size_t except,
+                     F&& f) const
+    {
+        std::array<std::size_t, 64> stack{1};
+        for (std::size_t depth = 1; depth != 0;) {
+            const std::size_t node = stack[--depth];
+            const Box& b = m_boxes[node];
+            bool apart = node == except || b.empty();
+            for (std::size_t a = 0; a < 3; ++a)
+                apart = apart || double(b.max[a]) < min[a] || double(b.min[a]) > max[a];
+            if (apart) continue;
+            if (isLeaf(node)) {
+                f(node);
+            } else {
+                stack[depth++] = 2 * node + 1;
+                stack[depth++] = 2 * node;
+            }
+        }
+    }
+
+private:
+    struct Split {
+        std::int32_t value = INT32_MAX;  ///< less than it: left
+        std::uint8_t axis = 0;
+    };
+    double squaredDistance(const Raw& from, std::uint32_t to) const noexcept
+    {
+        double sum = 0;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const double d = double(std::int64_t(from[a]) - m_axes[a][to]) * m_scale[a];
+            sum += d * d;
+        }
+        return sum;
+    }
+    void chooseSplits(std::vector<std::uint32_t>& sample, const Progress& progress);
+    void split(std::size_t node, std::uint32_t* first, std::uint32_t* last, const Progress& progress);
+    void sortIntoLeaves(Progress& progress);
+    void computeBoxes(Progress& progress);
+
+    std::array<std::shared_ptr<const Column>, 3> m_columns;
+    std::array<const std::int32_t*, 3> m_axes{};
+    std::array<double, 3> m_scale{};
+    std::size_t m_leaves = 1;  ///< a power of two
+    std::vector<Split> m_splits;
+    std::vector<Box> m_boxes;
+    std::vector<std::uint32_t> m_order;
+    std::vector<std::uint32_t> m_leafStart;
+};
+
+}  // namespace punctum

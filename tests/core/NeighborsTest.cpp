@@ -1,0 +1,440 @@
+// SPDX-License-Identifier: MIT
+// Neighbours, normals and outliers against brute force over all pairs, on clouds that are hard on tiles.
+#include "core/process/Neighbors.h"
+
+#include "core/Error.h"
+#include "core/process/Step.h"
+#include "core/sample/Sample.h"
+#include "core/task/Progress.h"
+#include "tests/core/MadeCloud.h"
+
+#include <QTest>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <thread>
+
+using namespace punctum;
+
+namespace {
+
+using Cloud = std::shared_ptr<PointCloud>;
+
+void place(PointCloud& cloud, PointIndex i, double x, double y, double z)
+{
+    rawAxis(cloud, 0)[i] = std::int32_t(x);
+    rawAxis(cloud, 1)[i] = std::int32_t(y);
+    rawAxis(cloud, 2)[i] = std::int32_t(z);
+}
+
+/// Clouds of raw coordinates; each is trouble for one part of the search.
+Cloud makeTrouble(const std::string& kind, PointIndex n)
+{
+    std::mt19937_64 random(11);
+    const auto unit = [&] { return double(random() >> 11) * 0x1p-53; };
+    CoordinateScale scale{glm::dvec3(0.001), glm::dvec3(457000.0, 5552000.0, 100.0)};
+    if (kind == "degrees") scale = {glm::dvec3(1e-8, 1e-8, 0.001), glm::dvec3(13.0, 52.0, 0.0)};
+    const auto cloud = makeFrame(n, scale);
+    for (PointIndex i = 0; i < n; ++i) {
+        if (kind == "plane" || kind == "degrees") {
+            place(*cloud, i, unit() * 2e5, unit() * 2e5, 1000 * unit());
+        } else if (kind == "volume") {
+            place(*cloud, i, unit() * 1e5, unit() * 1e5, unit() * 1e5);
+        } else if (kind == "scanner") {  // density falls with the fourth power: terrestrial
+            const double r = 1e6 / (1.0 + 300.0 * unit()), angle = 6.283 * unit();
+            place(*cloud, i, r * std::cos(angle), r * std::sin(angle), 3e4 * unit() * r / 1e6);
+        } else if (kind == "isolated") {  // a dense patch, and few points far from everything
+            const bool far = i % 97 == 0;
+            place(*cloud, i, far ? 1e9 * (unit() - 0.5) : 1e4 * unit(), far ? 1e9 * (unit() - 0.5) : 1e4 * unit(),
+                  100 * unit());
+        } else if (kind == "doubled") {  // many points share a place
+            place(*cloud, i, std::floor(unit() * 40) * 500, std::floor(unit() * 40) * 500, 0);
+        } else if (kind == "one place") {
+            place(*cloud, i, 5, 5, 5);
+        } else if (kind == "line") {
+            place(*cloud, i, double(i) * 10, 7, 7);
+        } else if (kind == "corners") {  // the whole range of int32
+            place(*cloud, i, random() % 2 != 0 ? INT32_MAX : INT32_MIN, random() % 2 != 0 ? INT32_MAX : INT32_MIN,
+                  double(std::int32_t(random())));
+        }
+    }
+    return cloud;
+}
+
+const char* const kTrouble[] = {"plane",   "degrees",   "volume", "scanner", "isolated",
+                                "doubled", "one place", "line",   "corners"};
+
+double distance2(const PointCloud& cloud, PointIndex a, PointIndex b)
+{
+    const glm::dvec3 d = glm::dvec3(double(cloud.rawX()[a]) - double(cloud.rawX()[b]),
+                                    double(cloud.rawY()[a]) - double(cloud.rawY()[b]),
+                                    double(cloud.rawZ()[a]) - double(cloud.rawZ()[b])) *
+                         cloud.coordinates().scale;
+    return d.x * d.x + d.y * d.y + d.z * d.z;
+}
+
+/// Squared distances to all points, the k smallest sorted in front.
+std::vector<double> allDistances(const PointCloud& cloud, PointIndex from, std::size_t k)
+{
+    std::vector<double> d(cloud.size());
+    for (PointIndex i = 0; i < cloud.size(); ++i) d[i] = distance2(cloud, from, i);
+    std::partial_sort(d.begin(), d.begin() + std::ptrdiff_t(k), d.end());
+    return d;
+}
+
+bool near(double a, double b) { return std::abs(a - b) <= 1e-5 * std::max(std::abs(a), std::abs(b)) + 1e-12; }
+
+std::unique_ptr<Command> run(const PointCloud& cloud, const std::string& text)
+{
+    const ParsedStep parsed = parseStep(text);
+    Progress progress;
+    return parsed.step->run(cloud, parsed.values, progress);
+}
+
+}  // namespace
+
+class NeighborsTest : public QObject {
+    Q_OBJECT
+
+private slots:
+    void orderHoldsEveryPointOnce_data() { trouble(); }
+    void orderHoldsEveryPointOnce();
+    void nearestAreExact_data() { trouble(); }
+    void nearestAreExact();
+    void withinIsExact_data() { trouble(); }
+    void withinIsExact();
+    void smallCloudsWork();
+    void normalsStandOnPlanes_data();
+    void normalsStandOnPlanes();
+    void normalsOfPointsWithoutPlane();
+    void normalsKeepTheFilesType();
+    void normalsRefuseAnotherType();
+    void outliersMatchPlainLoop();
+    void outliersOfFewPoints();
+    void cancelAnswers_data();
+    void cancelAnswers();
+    void editsGetIn();
+
+private:
+    static void trouble()
+    {
+        QTest::addColumn<QString>("kind");
+        for (const char* kind : kTrouble) QTest::newRow(kind) << QString(kind);
+    }
+};
+
+void NeighborsTest::orderHoldsEveryPointOnce()
+{
+    QFETCH(QString, kind);
+    const auto cloud = makeTrouble(kind.toStdString(), 100'000);
+    Progress progress;
+    const KdOrder order(*cloud, progress);
+    for (const std::size_t most : {1, 1000, 32768, 1000000}) {
+        std::vector<int> seen(cloud->size());
+        for (const std::size_t node : order.tiles(most)) {
+            QVERIFY(order.points(node).size() <= most || order.isLeaf(node));
+            for (const std::uint32_t p : order.points(node)) {
+                ++seen[p];
+                for (std::size_t a = 0; a < 3; ++a)
+                    QVERIFY(order.raw(p)[a] >= order.box(node).min[a] && order.raw(p)[a] <= order.box(node).max[a]);
+            }
+        }
+        QVERIFY(std::all_of(seen.begin(), seen.end(), [](int n) { return n == 1; }));
+    }
+    if (kind == "plane" || kind == "scanner" || kind == "volume")
+        for (const std::size_t node : order.tiles(1000)) QVERIFY(order.points(node).size() > 100);  // balanced
+}
+
+void NeighborsTest::nearestAreExact()
+{
+    QFETCH(QString, kind);
+    const auto cloud = makeTrouble(kind.toStdString(), 80'000);  // several tiles
+    Progress progress;
+    const KdOrder order(*cloud, progress);
+    for (const std::size_t k : {1, 16}) {
+        std::vector<std::atomic<int>> visits(cloud->size());
+        std::mutex mutex;
+        std::map<std::uint32_t, std::vector<float>> some;
+        std::atomic<bool> consistent{true};
+        forEachNearest(order, k, "test", progress, [&](const Neighborhood& n) {
+            ++visits[n.point];
+            bool good = n.offsets.size() == k && n.squared.size() == k && n.squared[0] == 0.0f;
+            for (std::size_t j = 0; j < k && good; ++j) {
+                const auto& o = n.offsets[j];
+                good = near(n.squared[j], double(o[0]) * o[0] + double(o[1]) * o[1] + double(o[2]) * o[2]) &&
+                       (j == 0 || n.squared[j] >= n.squared[j - 1]);
+            }
+            if (!good) consistent = false;
+            if (n.point % 799 == 0) {
+                const std::lock_guard lock(mutex);
+                some[n.point].assign(n.squared.begin(), n.squared.end());
+            }
+        });
+        QVERIFY(consistent);
+        QVERIFY(std::all_of(visits.begin(), visits.end(), [](const auto& v) { return v == 1; }));
+        for (const auto& [point, squared] : some) {
+            const auto expected = allDistances(*cloud, point, k);
+            // what floats in a tile can tell; a neighbour left out would be further off
+            const double slack = 0.003 * std::sqrt(expected[k - 1]) + 1e-12;
+            for (std::size_t j = 0; j < k; ++j)
+                QVERIFY2(std::abs(std::sqrt(squared[j]) - std::sqrt(expected[j])) <= slack,
+                         qPrintable(QString("%1 %2: %3 %4").arg(point).arg(j).arg(squared[j]).arg(expected[j])));
+        }
+    }
+    QCOMPARE(progress.fraction(), 1.0);
+}
+
+void NeighborsTest::withinIsExact()
+{
+    QFETCH(QString, kind);
+    const auto cloud = makeTrouble(kind.toStdString(), 20'000);
+    Progress progress;
+    const KdOrder order(*cloud, progress);
+    // A radius that takes in some twenty points of an ordinary place.
+    std::vector<KdOrder::Found> found;
+    std::vector<double> reach;
+    for (std::uint32_t p = 0; p < 20'000; p += 500) {
+        order.nearest(p, 20, found);
+        reach.push_back(std::sqrt(found.back().squared));
+    }
+    std::nth_element(reach.begin(), reach.begin() + 20, reach.end());
+    const double radius = reach[20] * 1.0001 + 1e-9;
+    std::vector<std::atomic<std::uint32_t>> counts(cloud->size());
+    forEachWithin(order, radius, "test", progress, [&](const Neighborhood& n) {
+        counts[n.point] += std::uint32_t(n.offsets.size());
+        for (const float s : n.squared)
+            if (double(s) > radius * radius * 1.00001) counts[n.point] = UINT32_MAX / 2;
+    });
+    for (PointIndex p = 0; p < cloud->size(); p += 401) {
+        std::uint32_t expected = 0;
+        for (PointIndex i = 0; i < cloud->size(); ++i) expected += distance2(*cloud, p, i) <= radius * radius;
+        QCOMPARE(counts[p].load(), expected);
+    }
+}
+
+void NeighborsTest::smallCloudsWork()
+{
+    for (const PointIndex n : {1, 2, 3, 4, 16, 17, 200, 400}) {
+        const auto cloud = makeTrouble("volume", n);
+        Progress progress;
+        const KdOrder order(*cloud, progress);
+        std::atomic<PointIndex> visits{0};
+        std::atomic<bool> complete{true};
+        forEachNearest(order, 16, "test", progress, [&](const Neighborhood& v) {
+            ++visits;
+            if (v.offsets.size() != std::min<PointIndex>(n, 16)) complete = false;
+        });
+        QCOMPARE(visits.load(), n);
+        QVERIFY(complete);
+        const auto command = run(*cloud, "normals");
+        command->apply(*cloud);
+        for (PointIndex i = 0; i < n; ++i) {
+            const double z = cloud->findAttribute("NormalZ")->number(i);
+            QVERIFY(n < 3 ? z == 0.0 : z >= 0.0);
+        }
+    }
+    QVERIFY(run(*makeFrame(0), "normals") == nullptr);
+    QVERIFY(run(*makeFrame(0), "outliers") == nullptr);
+}
+
+void NeighborsTest::normalsStandOnPlanes_data()
+{
+    QTest::addColumn<QString>("step");
+    QTest::addColumn<bool>("degrees");
+    QTest::newRow("k") << "normals k=12" << false;
+    QTest::newRow("radius") << "normals radius=2.5" << false;
+    QTest::newRow("degrees") << "normals k=12" << true;
+}
+
+void NeighborsTest::normalsStandOnPlanes()
+{
+    QFETCH(QString, step);
+    QFETCH(bool, degrees);
+    // z = a x + b y far from the origin of its coordinates; raw steps are a millionth of the extent.
+    CoordinateScale scale{glm::dvec3(0.001), glm::dvec3(4.5e6, 5.5e6, 1000.0)};
+    if (degrees) scale = {glm::dvec3(1e-9), glm::dvec3(179.0, 52.0, 0.0)};
+    const auto cloud = makeFrame(60'000, scale);
+    std::mt19937_64 random(5);
+    const double a = 0.3, b = -1.7;
+    for (PointIndex i = 0; i < cloud->size(); ++i) {
+        const double x = double(random() % 100'000), y = double(random() % 100'000);
+        place(*cloud, i, x, y, std::floor(a * x + b * y + 0.5));
+    }
+    const auto command = run(*cloud, step.toStdString());
+    QCOMPARE(command->changedPoints(), cloud->size());
+    QVERIFY(cloud->findAttribute("NormalX") == nullptr);  // nothing changes before the command is applied
+    command->apply(*cloud);
+    const Attribute* normal = cloud->findAttribute("Normal");
+    QVERIFY(normal != nullptr && normal->kind == AttributeKind::Vector && normal->type() == ScalarType::F32);
+    const double length = std::sqrt(1 + a * a + b * b);
+    double worst = 1;
+    for (PointIndex i = 0; i < cloud->size(); ++i) {
+        const double nx = normal->number(i, 0), ny = normal->number(i, 1), nz = normal->number(i, 2);
+        QVERIFY(std::abs(nx * nx + ny * ny + nz * nz - 1) < 1e-5 && nz >= 0);
+        worst = std::min(worst, (-a * nx - b * ny + nz) / length);
+    }
+    QVERIFY2(worst > 0.9999, qPrintable(QString::number(worst)));
+    command->apply(*cloud);
+    QVERIFY(cloud->findAttribute("NormalX") == nullptr && cloud->columns().size() == 4);
+}
+
+void NeighborsTest::normalsOfPointsWithoutPlane()
+{
+    for (const char* kind : {"one place", "line", "isolated", "corners", "doubled"}) {
+        const auto cloud = makeTrouble(kind, 8'000);
+        for (const char* step : {"normals k=8", "normals radius=0.05"}) {
+            run(*cloud, step)->apply(*cloud);
+            const Attribute* normal = cloud->findAttribute("Normal");
+            for (PointIndex i = 0; i < cloud->size(); ++i) {
+                double length = 0;
+                for (std::uint32_t c = 0; c < 3; ++c) length += normal->number(i, c) * normal->number(i, c);
+                // a NaN is neither
+                QVERIFY2(length == 0.0 || std::abs(length - 1) < 1e-4, kind);
+                QVERIFY(normal->number(i, 2) >= 0);
+                if (std::string(kind) == "one place") QVERIFY(length == 0.0);
+            }
+        }
+    }
+}
+
+void NeighborsTest::normalsKeepTheFilesType()
+{
+    const auto cloud = makeTrouble("plane", 5000);
+    for (const char* name : {"NormalX", "NormalY", "NormalZ"}) addScalar<double>(*cloud, name);
+    addComposite(*cloud, "Normal", AttributeKind::Vector, {"NormalX", "NormalY", "NormalZ"});
+    addScalar<std::uint8_t>(*cloud, "After");
+    const auto columns = cloud->columns();
+    const auto before = snapshot(*cloud);
+    const auto command = run(*cloud, "normals");
+    command->apply(*cloud);
+    QVERIFY(cloud->columns() == columns);  // in their places in the record
+    QVERIFY(cloud->findAttribute("NormalZ")->type() == ScalarType::F64);
+    QVERIFY(cloud->findAttribute("Normal")->number(9, 2) > 0.5);
+    command->apply(*cloud);
+    QVERIFY(snapshot(*cloud) == before);
+}
+
+void NeighborsTest::normalsRefuseAnotherType()
+{
+    const auto cloud = makeTrouble("plane", 50);
+    addScalar<std::int16_t>(*cloud, "NormalY");
+    try {
+        run(*cloud, "normals");
+        QFAIL("accepted");
+    } catch (const Error& e) {
+        QCOMPARE(QString(e.what()), QString("normals: the cloud's attribute NormalY does not hold plain decimal "
+                                            "numbers, so normals cannot be kept in it."));
+    }
+}
+
+void NeighborsTest::outliersMatchPlainLoop()
+{
+    for (const char* kind : {"volume", "isolated", "scanner", "doubled"}) {
+        const auto cloud = makeTrouble(kind, 3000);
+        auto classes = cloud->columns()[3]->values<std::uint8_t>();
+        classes[0] = 18;
+        std::vector<double> mean(cloud->size());
+        double sum = 0, squares = 0;
+        for (PointIndex i = 0; i < cloud->size(); ++i) {
+            const auto d = allDistances(*cloud, i, 9);
+            for (std::size_t j = 1; j <= 8; ++j) mean[i] += std::sqrt(d[j]) / 8;
+            sum += mean[i];
+            squares += mean[i] * mean[i];
+        }
+        const auto n = double(cloud->size());
+        const double threshold = sum / n + 1.5 * std::sqrt((squares - sum * sum / n) / (n - 1));
+        const auto command = run(*cloud, "outliers k=8 deviations=1.5 class=18");
+        if (command) command->apply(*cloud);
+        PointIndex outliers = 0;
+        for (PointIndex i = 0; i < cloud->size(); ++i) {
+            if (std::abs(mean[i] - threshold) < 1e-5 * threshold) continue;
+            QVERIFY2((classes[i] == 18) == (mean[i] > threshold || i == 0), kind);
+            outliers += mean[i] > threshold;
+        }
+        QVERIFY2(outliers > 0 || std::string(kind) == "doubled", kind);
+    }
+}
+
+void NeighborsTest::outliersOfFewPoints()
+{
+    QVERIFY(run(*makeTrouble("volume", 8), "outliers k=8") == nullptr);
+    QVERIFY(run(*makeTrouble("one place", 5000), "outliers") == nullptr);
+    const auto cloud = makeFrame(100, {}, true);
+    try {
+        run(*cloud, "outliers class=64");
+        QFAIL("accepted");
+    } catch (const Error& e) {
+        QCOMPARE(QString(e.what()), QString("This cloud holds classes 0 to 31; class 64 does not fit."));
+    }
+}
+
+void NeighborsTest::cancelAnswers_data()
+{
+    QTest::addColumn<QString>("step");
+    QTest::addColumn<int>("after");
+    for (const char* step : {"normals k=16", "normals radius=50", "outliers k=1000"})
+        for (const int after : {0, 40, 200, 900})
+            QTest::newRow(qPrintable(QString("%1 after %2 ms").arg(step).arg(after))) << QString(step) << after;
+}
+
+void NeighborsTest::cancelAnswers()
+{
+    QFETCH(QString, step);
+    QFETCH(int, after);
+    static const Cloud cloud = [] {
+        Progress progress;
+        return makeSample(3'000'000, 3, progress);
+    }();
+    const ParsedStep parsed = parseStep(step.toStdString());
+    Progress progress;
+    std::chrono::steady_clock::time_point asked;
+    std::thread canceller([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(after));
+        asked = std::chrono::steady_clock::now();
+        progress.cancel();
+    });
+    bool cancelled = false;
+    try {
+        (void)parsed.step->run(*cloud, parsed.values, progress);
+    } catch (const Cancelled&) {
+        cancelled = true;
+    }
+    const auto ended = std::chrono::steady_clock::now();
+    canceller.join();
+    QVERIFY(cancelled);
+    const double ms = std::chrono::duration<double, std::milli>(ended - asked).count();
+    qInfo("stopped %.1f ms after the cancel", ms);
+#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    QVERIFY(ms < 100.0);
+#endif
+}
+
+void NeighborsTest::editsGetIn()
+{
+    // While normals are worked out, an edit waits for the lock no longer than 50 ms.
+    const auto cloud = makeTrouble("plane", 200'000);
+    Progress progress;
+    std::atomic<bool> done{false};
+    const ParsedStep parsed = parseStep("normals k=16");
+    std::thread worker([&] {
+        (void)parsed.step->run(*cloud, parsed.values, progress);
+        done = true;
+    });
+    double worst = 0;
+    while (!done) {
+        const auto start = std::chrono::steady_clock::now();
+        cloud->mutex().lock();
+        cloud->mutex().unlock();
+        worst = std::max(
+            worst, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    worker.join();
+    QVERIFY2(worst < 50.0, qPrintable(QString::number(worst)));
+}
+
+QTEST_APPLESS_MAIN(NeighborsTest)
+#include "NeighborsTest.moc"
