@@ -194,8 +194,8 @@ void measureFirstImage(const std::string& file, Figures& figures, Progress& prog
 
 void runBenchLoad(const BenchOptions& options, Progress& progress)
 {
-    warmFileCache(options.file, progress);
     const auto reader = las::Reader::open(options.file);
+    warmFileCache(options.file, progress);
     const las::SourceFile& source = *reader->source();
     if (source.pointCount == 0) throw Error(options.file, "There is no point in this file to measure with.");
     const auto points = double(source.pointCount);

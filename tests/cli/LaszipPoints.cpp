@@ -79,9 +79,8 @@ std::uint64_t LaszipFile::forEach(const std::function<void(const laszip_point_st
     return count;
 }
 
-std::string fieldsOf(const laszip_point_struct& p, int format)
+void appendFields(const laszip_point_struct& p, int format, std::string& bytes)
 {
-    std::string bytes;
     append(bytes, p.X);
     append(bytes, p.Y);
     append(bytes, p.Z);
@@ -109,41 +108,53 @@ std::string fieldsOf(const laszip_point_struct& p, int format)
     if (hasWave(format)) bytes.append(reinterpret_cast<const char*>(p.wave_packet), 29);
     if (p.num_extra_bytes > 0)
         bytes.append(reinterpret_cast<const char*>(p.extra_bytes), std::size_t(p.num_extra_bytes));
-    return bytes;
 }
 
-std::vector<std::pair<std::string, double>> numbersOf(const laszip_point_struct& p, const LaszipFile& file)
+std::vector<std::string> namesOf(int format)
+{
+    std::vector<std::string> names{"X",
+                                   "Y",
+                                   "Z",
+                                   "Intensity",
+                                   "ReturnNumber",
+                                   "NumberOfReturns",
+                                   "ScanDirectionFlag",
+                                   "EdgeOfFlightLine",
+                                   "Classification",
+                                   "Synthetic",
+                                   "KeyPoint",
+                                   "Withheld"};
+    const auto add = [&names](std::initializer_list<const char*> more) {
+        names.insert(names.end(), more.begin(), more.end());
+    };
+    if (format >= 6) add({"Overlap", "ScannerChannel"});
+    add({"ScanAngle", "UserData", "PointSourceId"});
+    if (hasTime(format)) add({"GpsTime"});
+    if (hasColor(format)) add({"Red", "Green", "Blue"});
+    if (hasNir(format)) add({"NIR"});
+    if (hasWave(format))
+        add({"WaveformDescriptorIndex", "WaveformOffset", "WaveformSize", "WaveformReturnLocation", "WaveformX",
+             "WaveformY", "WaveformZ"});
+    return names;
+}
+
+void valuesOf(const laszip_point_struct& p, const LaszipFile& file, std::vector<double>& values)
 {
     const int format = file.format();
     const bool extended = format >= 6;
     const unsigned flags = p.extended_classification_flags;
-    std::vector<std::pair<std::string, double>> all = {
-        {"X", p.X * file.scale(0) + file.offset(0)},
-        {"Y", p.Y * file.scale(1) + file.offset(1)},
-        {"Z", p.Z * file.scale(2) + file.offset(2)},
-        {"Intensity", p.intensity},
-        {"ReturnNumber", extended ? p.extended_return_number : p.return_number},
-        {"NumberOfReturns", extended ? p.extended_number_of_returns : p.number_of_returns},
-        {"ScanDirectionFlag", p.scan_direction_flag},
-        {"EdgeOfFlightLine", p.edge_of_flight_line},
-        {"Classification", extended ? p.extended_classification : p.classification},
-        {"Synthetic", extended ? flags & 1u : p.synthetic_flag},
-        {"KeyPoint", extended ? flags >> 1 & 1u : p.keypoint_flag},
-        {"Withheld", extended ? flags >> 2 & 1u : p.withheld_flag}};
-    if (extended) {
-        all.emplace_back("Overlap", flags >> 3 & 1u);
-        all.emplace_back("ScannerChannel", p.extended_scanner_channel);
-    }
-    all.emplace_back("ScanAngle", extended ? p.extended_scan_angle * 0.006 : double(p.scan_angle_rank));
-    all.emplace_back("UserData", p.user_data);
-    all.emplace_back("PointSourceId", p.point_source_ID);
-    if (hasTime(format)) all.emplace_back("GpsTime", p.gps_time);
-    if (hasColor(format)) {
-        all.emplace_back("Red", p.rgb[0]);
-        all.emplace_back("Green", p.rgb[1]);
-        all.emplace_back("Blue", p.rgb[2]);
-    }
-    if (hasNir(format)) all.emplace_back("NIR", p.rgb[3]);
+    values.clear();
+    const auto add = [&values](auto... more) { (values.push_back(double(more)), ...); };
+    add(p.X * file.scale(0) + file.offset(0), p.Y * file.scale(1) + file.offset(1),
+        p.Z * file.scale(2) + file.offset(2), p.intensity, extended ? p.extended_return_number : p.return_number,
+        extended ? p.extended_number_of_returns : p.number_of_returns, p.scan_direction_flag, p.edge_of_flight_line,
+        extended ? p.extended_classification : p.classification, extended ? flags & 1u : p.synthetic_flag,
+        extended ? flags >> 1 & 1u : p.keypoint_flag, extended ? flags >> 2 & 1u : p.withheld_flag);
+    if (extended) add(flags >> 3 & 1u, p.extended_scanner_channel);
+    add(extended ? p.extended_scan_angle * 0.006 : double(p.scan_angle_rank), p.user_data, p.point_source_ID);
+    if (hasTime(format)) add(p.gps_time);
+    if (hasColor(format)) add(p.rgb[0], p.rgb[1], p.rgb[2]);
+    if (hasNir(format)) add(p.rgb[3]);
     if (hasWave(format)) {
         std::uint64_t offset = 0;
         std::uint32_t size = 0;
@@ -151,15 +162,8 @@ std::vector<std::pair<std::string, double>> numbersOf(const laszip_point_struct&
         std::memcpy(&offset, p.wave_packet + 1, 8);
         std::memcpy(&size, p.wave_packet + 9, 4);
         std::memcpy(reals.data(), p.wave_packet + 13, 16);
-        all.emplace_back("WaveformDescriptorIndex", p.wave_packet[0]);
-        all.emplace_back("WaveformOffset", double(offset));
-        all.emplace_back("WaveformSize", size);
-        all.emplace_back("WaveformReturnLocation", reals[0]);
-        all.emplace_back("WaveformX", reals[1]);
-        all.emplace_back("WaveformY", reals[2]);
-        all.emplace_back("WaveformZ", reals[3]);
+        add(p.wave_packet[0], offset, size, reals[0], reals[1], reals[2], reals[3]);
     }
-    return all;
 }
 
 }  // namespace punctum::test

@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -49,10 +48,13 @@ private:
     std::array<double, 3> m_offset{};
 };
 
-/// Every field of a point that its format has, as bytes: two points are equal when these are.
-std::string fieldsOf(const laszip_point_struct& point, int format);
+/// Appends every field of a point that its format has, as bytes: two points are equal when these are. Points of one
+/// file take the same number of bytes each.
+void appendFields(const laszip_point_struct& point, int format, std::string& bytes);
 
-/// Standard fields of a point under the program's attribute names, as numbers.
-std::vector<std::pair<std::string, double>> numbersOf(const laszip_point_struct& point, const LaszipFile& file);
+/// Standard attributes of a point format, by the program's names, in the order of valuesOf().
+std::vector<std::string> namesOf(int format);
+/// Their values, as numbers, in place of what `values` held.
+void valuesOf(const laszip_point_struct& point, const LaszipFile& file, std::vector<double>& values);
 
 }  // namespace punctum::test

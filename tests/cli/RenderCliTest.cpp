@@ -245,9 +245,6 @@ private slots:
         PUNCTUM_EXIT(run, 1);
         QVERIFY2(run.oneSentence(), run.said());
         QVERIFY(QDir(path("full")).isEmpty(QDir::AllEntries | QDir::Hidden | QDir::NoDotAndDotDot));
-
-        const Outcome pipe = runPunctum({"render", path("in.las"), "-o", "/dev/stdout.png"});
-        PUNCTUM_EXIT(pipe, 1);
     }
 };
 

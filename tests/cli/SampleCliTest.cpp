@@ -19,7 +19,7 @@ private slots:
     {
         QTemporaryDir folder;
         const QString path = folder.filePath("survey.laz");
-        PUNCTUM_EXIT(runPunctum({"sample", path, "--points", "100000"}), 0);
+        PUNCTUM_EXIT(runPunctum({"sample", path, "--points", "500000"}), 0);
         const LaszipFile file(path);
         QCOMPARE(file.version(), 4);
         QCOMPARE(file.format(), 7);
@@ -36,7 +36,7 @@ private slots:
             lastTime = p.gps_time;
             QVERIFY(p.extended_return_number >= 1 && p.extended_return_number <= p.extended_number_of_returns);
         });
-        QCOMPARE(count, std::uint64_t(100'000));
+        QCOMPARE(count, std::uint64_t(500'000));
         QVERIFY(classes.contains(2) && classes.contains(5) && classes.contains(6));
         QVERIFY(returns.size() >= 3);
         QVERIFY(reds.size() > 100);
