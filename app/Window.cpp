@@ -61,6 +61,15 @@ WindowRequest understand(int argc, char** argv)
     return request;
 }
 
+/// Qt's last words are a page on platform plugins, then abort(): one sentence helps more.
+void sayInsteadOfQt(QtMsgType type, const QMessageLogContext&, const QString&)
+{
+    if (type != QtFatalMsg) return;
+    complain(
+        "The display cannot be reached, so no window opens; punctum render FILE -o picture.png draws without one.");
+    std::_Exit(kFailed);
+}
+
 bool given(const char* variable)
 {
     const char* value = std::getenv(variable);
@@ -84,11 +93,12 @@ int runWindowed(int argc, char** argv)
     QCoreApplication::setOrganizationName(QStringLiteral("Punctum"));
     QCoreApplication::setApplicationName(QStringLiteral("punctum"));
     QCoreApplication::setApplicationVersion(QStringLiteral(PUNCTUM_VERSION));
-    QGuiApplication::setApplicationDisplayName(QStringLiteral("Punctum"));
     QGuiApplication::setDesktopFileName(QStringLiteral("punctum"));
     // fractional scales as they are, so that a px of the picture is a px of the screen
     QGuiApplication::setHighDpiScaleFactorRoundingPolicy(Qt::HighDpiScaleFactorRoundingPolicy::PassThrough);
+    const QtMessageHandler handler = qInstallMessageHandler(sayInsteadOfQt);
     QApplication application(argc, argv);
+    qInstallMessageHandler(handler);
     return ui::runWindow(application, request.files);
 }
 

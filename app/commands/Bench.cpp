@@ -16,8 +16,9 @@ namespace punctum::app
 namespace
 {
 
-std::string short4(double value)
+std::string rounded(double value)
 {
+    if (value >= 1e4) return grouped(std::uint64_t(value + 0.5));
     char text[40];
     std::snprintf(text, sizeof text, "%.4g", value);
     return text;
@@ -29,8 +30,8 @@ void addLines(std::string& text, const std::string& prefix, const Json& figures)
         std::string line = "  " + prefix + key;
         line.resize(std::max<std::size_t>(line.size() + 2, 36), ' ');
         if (value.is_object() && value.contains("median"))
-            text += line + short4(value["median"]) + "  (" + short4(value["min"]) + " to " + short4(value["max"]) +
-                    ")\n";
+            text += line + rounded(value["median"]) + "  (" + rounded(value["min"]) + " to " +
+                    rounded(value["max"]) + ")\n";
         else if (value.is_object())
             addLines(text, prefix + key + ".", value);
         else

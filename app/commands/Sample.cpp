@@ -40,7 +40,7 @@ void addSample(CLI::App& root, Action& action)
 {
     CLI::App& command = addCommand(root, "sample",
                                    "Write a synthetic but lifelike survey: terrain, buildings, trees, "
-                                   "several returns, colours, GPS time, extra bytes. The same points "
+                                   "several returns, colors, GPS time, extra bytes. The same points "
                                    "and seed give the same file on every machine.");
     const auto options = std::make_shared<SampleOptions>();
     // more than 2^32 - 2 points cannot be drawn, which is what samples are for

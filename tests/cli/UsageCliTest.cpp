@@ -233,6 +233,35 @@ private slots:
         }
     }
 
+    void saysSoWhenTheDisplayCannotBeReached()
+    {
+        QProcess process;
+        QProcessEnvironment environment = noDisplay();
+        environment.insert("DISPLAY", ":54321");
+        process.setProcessEnvironment(environment);
+        process.start(PUNCTUM_PROGRAM, {path("in.las")});
+        QVERIFY(process.waitForFinished(kTimeout));
+        QCOMPARE(process.exitStatus(), QProcess::NormalExit);
+        QCOMPARE(process.exitCode(), 1);
+        const QByteArray said = process.readAllStandardError();
+        QVERIFY2(said.count('\n') == 1 && said.contains("punctum render"), said);
+    }
+
+    void opensTheWindow()
+    {
+        QProcess process;
+        QProcessEnvironment environment = noDisplay();
+        environment.insert("QT_QPA_PLATFORM", "offscreen");
+        environment.insert("HOME", m_folder.path());
+        environment.insert("XDG_CONFIG_HOME", path("config"));
+        process.setProcessEnvironment(environment);
+        process.start(PUNCTUM_PROGRAM, {path("in.las")});
+        QVERIFY(process.waitForStarted());
+        QVERIFY2(!process.waitForFinished(2000), process.readAllStandardError());
+        process.terminate();
+        QVERIFY(process.waitForFinished(kTimeout));
+    }
+
     void readsAFileWithTheNameOfACommand()
     {
         QVERIFY(QFile::copy(path("in.las"), path("info")));
