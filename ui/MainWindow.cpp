@@ -83,7 +83,9 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     m_workspace = new Workspace(this);
     m_view = new ViewSettings(this);
     m_renderer = new ViewRenderer(backend, this);
-    m_viewport = new Viewport(*m_renderer, *m_view, !options.rasterView && openGlWidgetsWork());
+    m_viewport =
+        new Viewport(*m_renderer, *m_view,
+                     options.view != ViewKind::Raster && openGlWidgetsWork(options.view == ViewKind::OpenGl));
     setCentralWidget(m_viewport);
     addDocks();
     m_menu = new MainMenu(*this);

@@ -34,11 +34,18 @@ class Viewport;
 class Workspace;
 struct PickedPoint;
 
+/// What brings the picture to the screen.
+enum class ViewKind {
+    Automatic,  ///< OpenGL, but not where it is a software renderer: that would take the processor from the points
+    OpenGl,     ///< OpenGL where there is any
+    Raster,     ///< never OpenGL
+};
+
 /// How the window is to start.
 struct WindowOptions {
     QString settingsFile;  ///< an .ini file to keep settings in; empty: the user's own settings
     std::optional<render::BackendKind> backend;  ///< none: as the settings say, else CPU
-    bool rasterView = false;                     ///< paint without OpenGL even where there is a context
+    ViewKind view = ViewKind::Automatic;
 };
 
 /// The window: the view in the middle, docks around it, menus. It wires these parts; it does no work itself.

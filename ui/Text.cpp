@@ -47,7 +47,7 @@ QString numberText(double value)
     if (!std::isfinite(value)) return std::isnan(value) ? QStringLiteral("none") : QString::number(value);
     if (value == 0.0) return QStringLiteral("0");
     const double magnitude = std::log10(std::fabs(value));
-    if (magnitude >= 15.0 || magnitude < -5.0) return locale().toString(value, 'g', 6);
+    if (magnitude >= 15.0 || magnitude < -5.0) return QString::number(value, 'g', 6);
     const int decimals = std::clamp(6 - int(std::floor(magnitude)), 0, 9);
     return withoutTrailingZeros(locale().toString(value, 'f', decimals));
 }

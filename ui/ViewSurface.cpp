@@ -143,7 +143,7 @@ private:
 
 }  // namespace
 
-bool openGlWidgetsWork()
+bool openGlWidgetsWork(bool software)
 {
     // Platforms without a screen have no way to bring an OpenGL picture into a window.
     static const QStringList without{QStringLiteral("offscreen"), QStringLiteral("minimal"),
@@ -155,7 +155,11 @@ bool openGlWidgetsWork()
     surface.setFormat(context.format());
     surface.create();
     if (!surface.isValid() || !context.makeCurrent(&surface)) return false;
+    const auto* name = reinterpret_cast<const char*>(context.functions()->glGetString(GL_RENDERER));
+    const QString renderer = QString::fromLatin1(name ? name : "").toLower();
     context.doneCurrent();
+    for (const char* slow : {"llvmpipe", "softpipe", "swrast", "software", "swiftshader"})
+        if (!software && renderer.contains(QLatin1String(slow))) return false;
     return true;
 }
 

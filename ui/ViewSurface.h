@@ -22,8 +22,10 @@ public:
     virtual bool usesOpenGl() const = 0;
 };
 
-/// Whether widgets can have an OpenGL context on this platform. Tries one; needs the application object.
-bool openGlWidgetsWork();
+/// Whether widgets can have an OpenGL context on this platform, one that a device draws unless `software` will do:
+/// a software renderer takes longer to show a picture than we take to draw it. Tries one; needs the application
+/// object.
+bool openGlWidgetsWork(bool software);
 /// The widget becomes a child of `parent`, which owns it; the surface is another view on it.
 ViewSurface* makeViewSurface(QWidget& parent, bool openGl);
 

@@ -161,10 +161,11 @@ private slots:
         std::optional<PickedPoint> picked;
         bool replied = false;
         const QSize size = view.pictureSize();
-        test.window->renderer().pick(size.width() / 2, size.height() / 2, this, [&](const auto& p) {
-            picked = p;
-            replied = true;
-        });
+        test.window->renderer().pick(int(middle.x() * view.devicePixelRatioF()),
+                                     int(middle.y() * view.devicePixelRatioF()), this, [&](const auto& p) {
+                                         picked = p;
+                                         replied = true;
+                                     });
         QVERIFY(waitFor([&] { return replied; }));
         QVERIFY(picked.has_value());
         const glm::dvec2 px(size.width(), size.height());
@@ -480,7 +481,7 @@ private slots:
     void worksWithoutOpenGl()
     {
         NEED_DATA(kAutzen);
-        TestWindow test(true);
+        TestWindow test(ViewKind::Raster);
         QVERIFY(!test.window->viewport().usesOpenGl());
         QVERIFY(test.open(dataFile(kAutzen)));
         const QImage seen = test.window->viewport().grab().toImage();
@@ -498,7 +499,7 @@ private slots:
     void openGlViewShowsTheSamePixels()
     {
         NEED_DATA(kAutzen);
-        TestWindow test;
+        TestWindow test(ViewKind::OpenGl);
         if (!test.window->viewport().usesOpenGl()) QSKIP("There is no OpenGL for widgets on this platform.");
         QVERIFY(test.open(dataFile(kAutzen)));
         QTest::qWait(100);

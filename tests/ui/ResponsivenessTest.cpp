@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How long the window's thread is ever kept from its events while jobs have the processor: the house rule is 50 ms
-// on an idle machine. The test fails at three times that, because the machines it runs on are shared.
+// on an idle machine. Machines that tests run on are shared, so the wall clock is judged by what the same loop
+// shows with nothing to do, and the 50 ms are held against the time that the thread itself worked.
 #include "UiTest.h"
 
 #include "core/process/Step.h"
@@ -12,6 +13,8 @@
 #include <QMouseEvent>
 #include <QTimer>
 
+#include <ctime>
+
 #include <algorithm>
 #include <vector>
 
@@ -22,7 +25,8 @@ using namespace punctum::ui::test;
 namespace
 {
 
-constexpr double kLimitMs = 150.0;
+constexpr double kWorkMs = 50.0;
+constexpr double kWallMs = 150.0;
 constexpr std::uint64_t kPoints = 5'000'000;
 
 /// The gaps between turns of the event loop, seen by a timer that wants every 2 ms.
@@ -35,10 +39,16 @@ public:
         connect(&m_timer, &QTimer::timeout, this, [this] {
             m_gaps.push_back(double(m_clock.nsecsElapsed()) / 1e6);
             m_clock.restart();
+            const double now = workedMs();
+            m_work = std::max(m_work, now - m_worked);
+            m_worked = now;
         });
         m_clock.start();
+        m_worked = workedMs();
         m_timer.start(2);
     }
+    /// Longest time that the thread itself worked between two turns.
+    double longestWork() const { return m_work; }
     double longest() const { return m_gaps.empty() ? 0.0 : *std::max_element(m_gaps.begin(), m_gaps.end()); }
     double percentile(double share) const
     {
@@ -49,14 +59,22 @@ public:
     }
     void report(const char* what) const
     {
-        qInfo("%s: longest gap %.1f ms, 99th percentile %.1f ms, %zu turns", what, longest(), percentile(0.99),
-              m_gaps.size());
+        qInfo("%s: longest gap %.1f ms, 99th percentile %.1f ms, longest work %.1f ms, %zu turns", what, longest(),
+              percentile(0.99), longestWork(), m_gaps.size());
     }
 
 private:
+    static double workedMs()
+    {
+        timespec now{};
+        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+        return double(now.tv_sec) * 1e3 + double(now.tv_nsec) / 1e6;
+    }
     QTimer m_timer;
     QElapsedTimer m_clock;
     std::vector<double> m_gaps;
+    double m_worked = 0.0;
+    double m_work = 0.0;
 };
 
 /// Moves of the mouse with the left button held, as a hand would make them.
@@ -95,6 +113,10 @@ private slots:
         writeSample(m_las, kPoints);
         m_test = std::make_unique<TestWindow>();
         QVERIFY(m_test->settle());
+        const LoopWatch idle;
+        QTest::qWait(1500);
+        idle.report("with nothing to do");
+        m_idleGap = idle.longest();
     }
     void cleanupTestCase() { m_test.reset(); }
 
@@ -114,7 +136,7 @@ private slots:
         qInfo("first points on the screen after %lld ms, all read and drawn after %lld ms", firstImage,
               clock.elapsed());
         QVERIFY(firstImage > 0);
-        QVERIFY2(watch.longest() < kLimitMs, qPrintable(QString::number(watch.longest())));
+        judge(watch);
     }
 
     void whileNormalsRunAndTheViewTurns()
@@ -148,7 +170,7 @@ private slots:
             QVERIFY(clock.elapsed() < 1000);
         }
         QVERIFY(fps > 4.0);
-        QVERIFY2(watch.longest() < kLimitMs, qPrintable(QString::number(watch.longest())));
+        judge(watch);
         QVERIFY(m_test->settle());
     }
 
@@ -161,7 +183,7 @@ private slots:
         QVERIFY(m_test->settle());
         watch.report("saving as LAZ");
         QVERIFY(QFile::exists(m_folder.filePath(QStringLiteral("copy.laz"))));
-        QVERIFY2(watch.longest() < kLimitMs, qPrintable(QString::number(watch.longest())));
+        judge(watch);
     }
 
     void idleCostsNothing()
@@ -174,6 +196,14 @@ private slots:
     }
 
 private:
+    void judge(const LoopWatch& watch)
+    {
+        QVERIFY2(watch.longestWork() < kWorkMs, qPrintable(QString::number(watch.longestWork())));
+        QVERIFY2(watch.longest() < std::max(kWallMs, 4.0 * m_idleGap),
+                 qPrintable(QString::number(watch.longest())));
+    }
+
+    double m_idleGap = 0.0;
     QTemporaryDir m_folder;
     QString m_las;
     std::unique_ptr<TestWindow> m_test;

@@ -10,6 +10,7 @@
 #include "ui/style/Theme.h"
 
 #include <QApplication>
+#include <QDir>
 #include <QDragEnterEvent>
 #include <QDropEvent>
 #include <QElapsedTimer>
@@ -38,7 +39,7 @@ int runUiTest(int argc, char** argv, const std::function<std::unique_ptr<QObject
 
 QString dataFile(const QString& name)
 {
-    const QString path = QStringLiteral(PUNCTUM_TEST_DATA "/") + name;
+    const QString path = QDir::cleanPath(QStringLiteral(PUNCTUM_TEST_DATA "/") + name);
     return QFileInfo::exists(path) ? path : QString();
 }
 
@@ -47,12 +48,12 @@ bool waitFor(const std::function<bool()>& done, int timeoutMs)
     return QTest::qWaitFor(done, timeoutMs);
 }
 
-TestWindow::TestWindow(bool rasterView)
+TestWindow::TestWindow(ViewKind view)
 {
     WindowOptions options;
     options.settingsFile = folder.filePath(QStringLiteral("settings.ini"));
     options.backend = render::BackendKind::Cpu;
-    options.rasterView = rasterView;
+    options.view = view;
     window = std::make_unique<MainWindow>(options);
     window->resize(1280, 800);
     window->show();
@@ -64,8 +65,9 @@ bool TestWindow::settle(const QString& attribute, int timeoutMs)
     return waitFor(
         [&] {
             const auto now = frame();
-            return now && now->report.converged && window->workspace().jobs().idle() &&
-                   !window->workspace().opening() && (attribute.isEmpty() || now->attribute == attribute);
+            return now && now->report.converged && now->camera == window->viewport().camera() &&
+                   window->workspace().jobs().idle() && !window->workspace().opening() &&
+                   (attribute.isEmpty() || now->attribute == attribute);
         },
         timeoutMs);
 }
@@ -99,22 +101,18 @@ void dragWithMouse(QWidget& from, QPoint start, QWidget& to, QPoint end)
     const QPoint a = from.mapTo(from.window(), start);
     const QPoint b = to.mapTo(to.window(), end);
     constexpr int kSteps = 12;
-    // A drag of an item runs an event loop of its own inside a mouse move, so the moves come from a timer.
-    int step = 0;
-    QTimer mover;
-    QObject::connect(&mover, &QTimer::timeout, &mover, [&] {
-        ++step;
-        if (step <= kSteps) {
-            QTest::mouseMove(window, a + (b - a) * step / kSteps);
-        } else if (step == kSteps + 2) {
-            QTest::mouseRelease(window, Qt::LeftButton, Qt::NoModifier, b);
-        } else if (step > kSteps + 2) {
-            mover.stop();
-        }
-    });
+    constexpr int kPause = 20;  // ms
+    // A drag of an item runs an event loop of its own inside a mouse move: what follows must be on its way by then,
+    // each by a timer of its own, because a timer does not fire inside its own signal.
+    bool over = false;
+    QObject guard;
+    for (int step = 1; step <= kSteps; ++step)
+        QTimer::singleShot(step * kPause, &guard, [=] { QTest::mouseMove(window, a + (b - a) * step / kSteps); });
+    QTimer::singleShot((kSteps + 2) * kPause, &guard,
+                       [=] { QTest::mouseRelease(window, Qt::LeftButton, Qt::NoModifier, b); });
+    QTimer::singleShot((kSteps + 4) * kPause, &guard, [&] { over = true; });
     QTest::mousePress(window, Qt::LeftButton, Qt::NoModifier, a);
-    mover.start(20);
-    waitFor([&] { return step > kSteps + 2; }, 20000);
+    waitFor([&] { return over; }, 20000);
 }
 
 double difference(const render::Image& a, const render::Image& b)

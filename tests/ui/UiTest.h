@@ -27,7 +27,7 @@ struct TestWindow {
     QTemporaryDir folder;
     std::unique_ptr<MainWindow> window;
 
-    explicit TestWindow(bool rasterView = false);
+    explicit TestWindow(ViewKind view = ViewKind::Automatic);
     /// Opens and waits until all is loaded and drawn; null on failure.
     Document* open(const QString& path);
     /// Waits until the picture is finished, shows `attribute` (when not empty), and no job runs.
