@@ -21,6 +21,7 @@ namespace
 constexpr std::size_t kBlockBytes = std::size_t(1) << 20;  ///< LAS: read at once by a thread; stays in its L2 cache
 constexpr std::uint64_t kMostInBlock = 1 << 15;            ///< points, LAS
 constexpr std::uint64_t kMostInBatch = 1 << 16;            ///< points handed on at once, LAZ
+constexpr std::size_t kMostWarnings = 10;                  ///< of damaged chunks, one sentence each
 constexpr std::uint64_t kDecodeStep = 4096;                ///< points between two looks at the cancel flag
 
 std::string count(std::uint64_t n)
@@ -33,14 +34,31 @@ struct Shared {
     Progress& progress;
     const Reader::RecordVisitor& visit;
     std::mutex mutex;
-    ReadResult result;
+    std::vector<std::pair<PointRange, std::string>> missing;
 
     void miss(PointRange range, const std::string& why)
     {
         const std::lock_guard lock(mutex);
-        result.missing.push_back(range);
-        result.warnings.push_back("The points " + count(range.first) + " to " + count(range.last - 1) +
-                                  " are damaged and could not be read (" + why + ").");
+        missing.emplace_back(range, why);
+    }
+    /// In the order of the file, the first ones with a sentence each.
+    ReadResult finish()
+    {
+        std::sort(missing.begin(), missing.end(),
+                  [](const auto& a, const auto& b) { return a.first.first < b.first.first; });
+        ReadResult result;
+        std::uint64_t untold = 0;
+        for (const auto& [range, why] : missing) {
+            result.missing.push_back(range);
+            if (result.warnings.size() < kMostWarnings)
+                result.warnings.push_back("The points " + count(range.first) + " to " + count(range.last - 1) +
+                                          " are damaged and could not be read (" + why + ").");
+            else
+                untold += range.size();
+        }
+        if (untold != 0)
+            result.warnings.push_back("Another " + count(untold) + " points are damaged and could not be read.");
+        return result;
     }
 };
 
@@ -190,11 +208,7 @@ ReadResult Reader::visitRecords(Progress& progress, const RecordVisitor& visit) 
     }
     progress.check();
     m_impl->file.checkUnchanged();
-    ReadResult result = std::move(shared.result);
-    std::sort(result.missing.begin(), result.missing.end(),
-              [](const PointRange& a, const PointRange& b) { return a.first < b.first; });
-    std::sort(result.warnings.begin(), result.warnings.end());
-    return result;
+    return shared.finish();
 }
 
 namespace

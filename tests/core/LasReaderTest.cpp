@@ -39,6 +39,8 @@ private slots:
     void changedFileIsAnError();
     void damagedChunkLeavesOthers();
     void returnsAndBoundsAreCounted();
+    void pointwiseCompressionIsRead();
+    void manyDamagedChunksAreOneWarning();
 
 private:
     fs::path make(const std::string& name, const Bytes& bytes) const
@@ -513,6 +515,52 @@ void LasReaderTest::returnsAndBoundsAreCounted()
     std::array<std::uint64_t, 16> expectedReturns{};
     for (std::size_t i = 0; i < count; ++i) ++expectedReturns[std::size_t(points[i * 30 + 14]) & 15];
     QVERIFY(summary.byReturn == expectedReturns);
+}
+
+void LasReaderTest::pointwiseCompressionIsRead()
+{
+    // The oldest LAZ: one stream, which is what a single chunk holds, without table and position.
+    for (const std::uint8_t format : {0, 1, 3, 5}) {
+        const auto length = lasfiles::recordLength(format);
+        const std::size_t count = 150000;
+        const Bytes points = lasfiles::randomRecords(format, length, count, format, true);
+        Bytes laz = lasfiles::lazFile(format, length, points, 1000000);
+        const std::size_t begin = lasfiles::get<std::uint32_t>(laz, 96);
+        const auto table = std::size_t(lasfiles::get<std::int64_t>(laz, begin));
+        laz.resize(table);
+        laz.erase(laz.begin() + std::ptrdiff_t(begin), laz.begin() + std::ptrdiff_t(begin) + 8);
+        lasfiles::set<std::uint16_t>(laz, lasfiles::get<std::uint16_t>(laz, 94) + 54u, 1);
+        las::ReadResult result;
+        const fs::path path = make("pointwise.laz", laz);
+        const auto cloud = load(path, &result);
+        QVERIFY2(result.warnings.empty(), result.warnings.empty() ? "" : result.warnings[0].c_str());
+        QVERIFY(lasfiles::recordsByLaszip(path, format, length, count) == points);
+        for (std::size_t i = 0; i < count; ++i)
+            QVERIFY(cloud->rawX()[i] == lasfiles::get<std::int32_t>(points, i * length));
+        // cut: what was read before is there, the rest is told
+        laz.resize(laz.size() / 2);
+        const auto half = load(make("half.laz", laz), &result);
+        QCOMPARE(result.missing.size(), std::size_t(1));
+        QVERIFY(result.missing[0].first > 0 && result.missing[0].last == count);
+    }
+}
+
+void LasReaderTest::manyDamagedChunksAreOneWarning()
+{
+    const Bytes points = lasfiles::randomRecords(6, 30, 2000, 12);
+    Bytes laz = lasfiles::lazFile(6, 30, points, 10);
+    const std::size_t begin = lasfiles::get<std::uint32_t>(laz, 96) + 8;
+    const auto table = std::size_t(lasfiles::get<std::int64_t>(laz, begin - 8));
+    const std::size_t chunk = (table - begin) / 200;
+    for (std::size_t k = 1; k < 199; ++k) laz[begin + k * chunk + 20] = std::byte(0);
+    std::fill(laz.begin() + std::ptrdiff_t(begin + 2 * chunk), laz.begin() + std::ptrdiff_t(table - 2 * chunk),
+              std::byte(0));
+    las::ReadResult result;
+    const auto cloud = load(make("many.laz", laz), &result);
+    QVERIFY(result.missing.size() > 100);
+    QVERIFY(result.warnings.size() < 15);
+    QVERIFY(std::is_sorted(result.missing.begin(), result.missing.end(),
+                           [](const PointRange& a, const PointRange& b) { return a.first < b.first; }));
 }
 
 QTEST_GUILESS_MAIN(LasReaderTest)
