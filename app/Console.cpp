@@ -22,6 +22,12 @@ constexpr auto kDelay = 300ms;
 constexpr auto kPeriod = 100ms;
 constexpr int kBarWidth = 30;
 
+/// A bar that may stand on the terminal's line makes room for what is written next.
+void wipeBar()
+{
+    if (isatty(STDERR_FILENO) == 1) std::fputs("\r\033[K", stderr);
+}
+
 }  // namespace
 
 ProgressBar::ProgressBar(const Progress& progress) : m_progress(progress)
@@ -54,12 +60,13 @@ void ProgressBar::draw()
                      m_progress.stage().c_str());
         std::fflush(stderr);
     } while (!m_wake.wait_for(lock, kPeriod, [this] { return m_end; }));
-    std::fputs("\r\033[K", stderr);
+    wipeBar();
     std::fflush(stderr);
 }
 
 void print(std::string_view text)
 {
+    wipeBar();
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
         throw Error("The result could not be written to standard output; is the disk full?");
 }
@@ -71,11 +78,13 @@ void printJson(const Json& value)
 
 void complain(std::string_view sentence)
 {
+    wipeBar();
     std::fprintf(stderr, "punctum: %.*s\n", int(sentence.size()), sentence.data());
 }
 
 void note(std::string_view sentence)
 {
+    wipeBar();
     std::fprintf(stderr, "Note: %.*s\n", int(sentence.size()), sentence.data());
 }
 
