@@ -22,17 +22,25 @@ constexpr std::size_t kBlockBytes = std::size_t(1) << 20;  ///< LAS: read at onc
 constexpr std::uint64_t kMostInBlock = 1 << 15;            ///< points, LAS
 constexpr std::uint64_t kMostInBatch = 1 << 16;            ///< points handed on at once, LAZ
 constexpr std::size_t kMostWarnings = 10;                  ///< of damaged chunks, one sentence each
-constexpr std::uint64_t kDecodeStep = 4096;                ///< points between two looks at the cancel flag
+constexpr std::uint64_t kDecodeStep = 2048;                ///< points between two looks at the cancel flag
+constexpr std::uint64_t kDecodeBytes = 1 << 17;  ///< LAZ: of records at once, to leave the cache to the models
 
 std::string count(std::uint64_t n)
 {
     return std::to_string(n);
 }
 
+/// What is done with points as they come, by the worker that has them.
+struct Receiver {
+    Reader::RecordVisitor records;              ///< raw records, in pieces that are still in the cache
+    std::function<void(PointRange)> arrived;    ///< a batch whose records were all given, and are sound
+    std::function<void(PointRange)> withdrawn;  ///< records that were given, but are damaged after all
+};
+
 /// What the workers of one reading share.
 struct Shared {
     Progress& progress;
-    const Reader::RecordVisitor& visit;
+    const Receiver& receiver;
     std::mutex mutex;
     std::vector<std::pair<PointRange, std::string>> missing;
 
@@ -71,8 +79,9 @@ struct Reader::Impl {
     void visitPlain(Shared& shared) const;
     void visitChunk(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const;
     void visitStream(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const;
-    bool decode(PointDecoder& decoder, const Chunk& chunk, std::uint64_t& done, std::vector<std::byte>& scratch,
+    void decode(PointDecoder& decoder, const Chunk& chunk, bool checkEnd, std::vector<std::byte>& scratch,
                 Shared& shared) const;
+    ReadResult visit(Progress& progress, const Receiver& receiver) const;
 };
 
 Reader::Reader(std::unique_ptr<Impl> impl, std::shared_ptr<const SourceFile> source)
@@ -122,93 +131,97 @@ void Reader::Impl::visitPlain(Shared& shared) const
         scratch.resize(std::size_t(block * length));
         const auto records = std::span(scratch).first(std::size_t(range.size() * length));
         file.readAt(s.header.pointOffset() + range.first * length, records);
-        shared.visit(range, records);
+        shared.receiver.records(range, records);
+        shared.receiver.arrived(range);
         shared.progress.add(range.size());
     });
 }
 
-/// Decodes the next batch into `scratch`; false, with `done` unchanged, when the decoder fails in it.
-bool Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, std::uint64_t& done,
-                          std::vector<std::byte>& scratch, Shared& shared) const
+/// Decodes a chunk batch by batch. When the decoder fails, the points of that batch and all later ones are missing.
+void Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, bool checkEnd, std::vector<std::byte>& scratch,
+                          Shared& shared) const
 {
     const std::uint64_t length = parsed.source->layout.length;
-    const std::uint64_t batch = std::min(chunk.count - done, kMostInBatch);
-    scratch.resize(std::size_t(batch * length));
-    for (std::uint64_t k = 0; k < batch; k += kDecodeStep) {
-        shared.progress.check();
-        const auto n = std::size_t(std::min(kDecodeStep, batch - k));
-        if (decoder.decode(n, scratch.data() + k * length) != n) return false;
+    const std::uint64_t step = std::clamp<std::uint64_t>(kDecodeBytes / length, 1, kDecodeStep);
+    scratch.resize(std::size_t(step * length));
+    for (std::uint64_t done = 0; done < chunk.count;) {
+        const std::uint64_t batch = std::min(chunk.count - done, kMostInBatch);
+        const PointIndex first = chunk.first + done;
+        std::string trouble;
+        std::uint64_t given = 0;
+        while (given < batch && trouble.empty()) {
+            shared.progress.check();
+            const std::uint64_t n = std::min(step, batch - given);
+            if (decoder.decode(std::size_t(n), scratch.data()) != n) {
+                trouble = decoder.error();
+            } else {
+                shared.receiver.records({first + given, first + given + n},
+                                        std::span(scratch).first(std::size_t(n * length)));
+                given += n;
+            }
+        }
+        // A chunk that decodes into fewer or more bytes than it has holds something else than its points.
+        if (trouble.empty() && checkEnd && done + batch == chunk.count && decoder.position() != chunk.bytes)
+            trouble = "its end is not where it should be";
+        if (!trouble.empty()) {
+            shared.receiver.withdrawn({first, first + given});
+            shared.miss({first, chunk.first + chunk.count}, trouble);
+            shared.progress.add(chunk.count - done);
+            return;
+        }
+        done += batch;
+        shared.receiver.arrived({first, first + batch});
+        shared.progress.add(batch);
     }
-    done += batch;
-    return true;
 }
 
 void Reader::Impl::visitChunk(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const
 {
-    const std::uint64_t length = parsed.source->layout.length;
     std::vector<std::byte> data(std::size_t(chunk.bytes));
     file.readAt(chunk.offset, data);
-    std::uint64_t done = 0;
-    const auto damaged = [&](const std::string& why) {
-        shared.miss({chunk.first + done, chunk.first + chunk.count}, why);
-        shared.progress.add(chunk.count - done);
-    };
-    if (parsed.laz.compressor == LazInfo::Layered)
-        if (const std::string why = checkLayeredChunk(data, parsed.laz, std::uint32_t(chunk.count)); !why.empty())
-            return damaged(why);
-    PointDecoder decoder(parsed.laz, data, chunk.count);
-    while (done < chunk.count) {
-        const std::uint64_t before = done;
-        if (!decode(decoder, chunk, done, scratch, shared)) return damaged(decoder.error());
-        // A chunk that decodes into fewer or more bytes than it has holds something else than its points.
-        if (done == chunk.count && !chunk.cut && decoder.position() != chunk.bytes) {
-            done = before;
-            return damaged("its end is not where it should be");
+    if (parsed.laz.compressor == LazInfo::Layered) {
+        const std::string why = checkLayeredChunk(data, parsed.laz, std::uint32_t(chunk.count));
+        if (!why.empty()) {
+            shared.miss({chunk.first, chunk.first + chunk.count}, why);
+            shared.progress.add(chunk.count);
+            return;
         }
-        shared.visit({chunk.first + before, chunk.first + done},
-                     std::span(scratch).first(std::size_t((done - before) * length)));
-        shared.progress.add(done - before);
     }
+    PointDecoder decoder(parsed.laz, data, chunk.count);
+    decode(decoder, chunk, !chunk.cut, scratch, shared);
 }
 
 void Reader::Impl::visitStream(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const
 {
-    const std::uint64_t length = parsed.source->layout.length;
     PointDecoder decoder(parsed.laz, file, chunk.offset, chunk.bytes, chunk.count);
-    for (std::uint64_t done = 0; done < chunk.count;) {
-        const std::uint64_t before = done;
-        if (!decode(decoder, chunk, done, scratch, shared)) {
-            shared.miss({chunk.first + before, chunk.first + chunk.count}, decoder.error());
-            shared.progress.add(chunk.count - before);
-            return;
-        }
-        shared.visit({chunk.first + before, chunk.first + done},
-                     std::span(scratch).first(std::size_t((done - before) * length)));
-        shared.progress.add(done - before);
+    decode(decoder, chunk, false, scratch, shared);
+}
+
+ReadResult Reader::Impl::visit(Progress& progress, const Receiver& receiver) const
+{
+    Shared shared{progress, receiver, {}, {}};
+    if (!parsed.source->compressed) {
+        visitPlain(shared);
+    } else {
+        const bool stream = parsed.laz.compressor == LazInfo::Pointwise;
+        const std::vector<std::uint32_t> order = spreadOrder(std::uint32_t(parsed.chunks.size()));
+        forEachInOrder(order.size(), [&](std::vector<std::byte>& scratch, std::size_t turn) {
+            progress.check();
+            const Chunk& chunk = parsed.chunks[order[turn]];
+            if (stream)
+                visitStream(chunk, scratch, shared);
+            else
+                visitChunk(chunk, scratch, shared);
+        });
     }
+    progress.check();
+    file.checkUnchanged();
+    return shared.finish();
 }
 
 ReadResult Reader::visitRecords(Progress& progress, const RecordVisitor& visit) const
 {
-    Shared shared{progress, visit, {}, {}};
-    if (!m_source->compressed) {
-        m_impl->visitPlain(shared);
-    } else {
-        const std::vector<Chunk>& chunks = m_impl->parsed.chunks;
-        const bool stream = m_impl->parsed.laz.compressor == LazInfo::Pointwise;
-        const std::vector<std::uint32_t> order = spreadOrder(std::uint32_t(chunks.size()));
-        forEachInOrder(order.size(), [&](std::vector<std::byte>& scratch, std::size_t turn) {
-            progress.check();
-            const Chunk& chunk = chunks[order[turn]];
-            if (stream)
-                m_impl->visitStream(chunk, scratch, shared);
-            else
-                m_impl->visitChunk(chunk, scratch, shared);
-        });
-    }
-    progress.check();
-    m_impl->file.checkUnchanged();
-    return shared.finish();
+    return m_impl->visit(progress, {visit, [](PointRange) {}, [](PointRange) {}});
 }
 
 namespace
@@ -256,17 +269,27 @@ ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& 
     const std::uint8_t returnMask = isExtendedFormat(layout.format) ? 15 : 7;
     tbb::enumerable_thread_specific<Seen> seen;
 
-    ReadResult result = visitRecords(progress, [&](PointRange range, std::span<const std::byte> records) {
+    Receiver receiver;
+    receiver.records = [&](PointRange range, std::span<const std::byte> records) {
         std::vector<std::byte*> columns(layout.fields.size());
         for (std::size_t k = 0; k < columns.size(); ++k)
             columns[k] = cloud.columns()[k]->data() + range.first * layout.fields[k].bytes();
         deinterleave(layout, records.data(), std::size_t(range.size()), columns);
+    };
+    receiver.arrived = [&](PointRange range) {
         const std::int32_t* const axes[3] = {cloud.rawX().data() + range.first, cloud.rawY().data() + range.first,
                                              cloud.rawZ().data() + range.first};
-        const auto* returns = reinterpret_cast<const std::uint8_t*>(columns[returnsField]);
-        seen.local().include(axes, returns, std::size_t(range.size()), returnMask);
+        const auto* returns = reinterpret_cast<const std::uint8_t*>(cloud.columns()[returnsField]->data());
+        seen.local().include(axes, returns + range.first, std::size_t(range.size()), returnMask);
         if (sink) sink(range);
-    });
+    };
+    receiver.withdrawn = [&](PointRange range) {
+        for (std::size_t k = 0; k < layout.fields.size(); ++k) {
+            const std::size_t bytes = layout.fields[k].bytes();
+            std::memset(cloud.columns()[k]->data() + range.first * bytes, 0, std::size_t(range.size()) * bytes);
+        }
+    };
+    ReadResult result = m_impl->visit(progress, receiver);
 
     PointsAsRead::Summary summary;
     for (const Seen& s : seen) {

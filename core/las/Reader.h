@@ -58,7 +58,8 @@ public:
     using RecordVisitor = std::function<void(PointRange, std::span<const std::byte>)>;
 
     /// Goes through all points as the file's own records (layout.length bytes each, decompressed), in parallel, in
-    /// the same order; what read() is made of, and what comparing files needs. `bounds` is not computed.
+    /// the same order, for comparing files. A damaged chunk may be found out when some of its records have been
+    /// given: those in the result's `missing` mean nothing. `bounds` is not computed.
     /// Throws Error (I/O), Cancelled or what `visit` throws.
     ReadResult visitRecords(Progress& progress, const RecordVisitor& visit) const;
 
