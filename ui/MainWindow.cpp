@@ -12,6 +12,7 @@
 #include "ui/ViewSettings.h"
 #include "ui/ViewSurface.h"
 #include "ui/Viewport.h"
+#include "ui/WindowSettings.h"
 #include "ui/Workspace.h"
 #include "ui/docks/AttributesDock.h"
 #include "ui/docks/AttributesModel.h"
@@ -28,12 +29,8 @@
 #include <QFileInfo>
 #include <QLabel>
 #include <QMessageBox>
-#include <QScreen>
-#include <QSettings>
-#include <QStandardPaths>
 #include <QStatusBar>
 
-#include <algorithm>
 #include <cmath>
 
 namespace punctum::ui
@@ -41,9 +38,6 @@ namespace punctum::ui
 
 namespace
 {
-
-constexpr int kRecentFiles = 10;
-constexpr int kSettingsVersion = 1;  // of the docks' layout: raise when docks come or go
 
 MainWindow::Unsaved askInBox(QWidget* parent, const QString& name)
 {
@@ -67,19 +61,15 @@ MainWindow::Unsaved askInBox(QWidget* parent, const QString& name)
 }  // namespace
 
 MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
-    : QMainWindow(parent),
-      m_settings(options.settingsFile.isEmpty()
-                     ? std::make_unique<QSettings>(QStringLiteral("Punctum"), QStringLiteral("Punctum"))
-                     : std::make_unique<QSettings>(options.settingsFile, QSettings::IniFormat))
+    : QMainWindow(parent), m_settings(std::make_unique<WindowSettings>(options.settingsFile))
 {
     setWindowIcon(programIcon());
     setDockOptions(AnimatedDocks | AllowTabbedDocks | AllowNestedDocks);
     setTabPosition(Qt::AllDockWidgetAreas, QTabWidget::North);
     askUnsaved = [this](const QString& name) { return askInBox(this, name); };
 
-    const QString saved = m_settings->value(QStringLiteral("view/backend")).toString();
     const render::BackendKind backend =
-        options.backend.value_or(render::backendFromName(saved.toStdString()).value_or(render::BackendKind::Cpu));
+        options.backend.value_or(m_settings->backend().value_or(render::BackendKind::Cpu));
     m_workspace = new Workspace(this);
     m_view = new ViewSettings(this);
     m_renderer = new ViewRenderer(backend, this);
@@ -99,7 +89,9 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     statusBar()->setSizeGripEnabled(false);
 
     connectParts();
-    restoreSettings();
+    m_settings->restore(*this, *m_view);
+    m_menu->setRecentFiles(m_settings->recentFiles());
+    m_menu->setAppearance(m_settings->appearance());
     m_viewport->setDocument(nullptr, 0);
     m_viewport->setFocus();
     updateTitle();
@@ -183,13 +175,13 @@ void MainWindow::connectParts()
                 m_menu->setBackend(kind);
                 m_backend->setText(description);
                 m_backend->setToolTip(tr("What draws the points"));
-                m_settings->setValue(QStringLiteral("view/backend"), toQString(render::nameOf(kind)));
+                m_settings->setBackend(kind);
             });
     connect(m_menu, &MainMenu::backendChosen, m_renderer, &ViewRenderer::setBackend);
     connect(m_menu, &MainMenu::appearanceChosen, this, &MainWindow::setAppearance);
     connect(m_menu, &MainMenu::recentChosen, this, [this](const QString& path) { openFiles({path}); });
     connect(m_menu, &MainMenu::recentCleared, this, [this] {
-        m_settings->remove(QStringLiteral("files/recent"));
+        m_settings->clearRecentFiles();
         m_menu->setRecentFiles({});
     });
 }
@@ -258,10 +250,10 @@ void MainWindow::updateTitle()
 void MainWindow::chooseFiles()
 {
     const QStringList files =
-        QFileDialog::getOpenFileNames(this, tr("Open point clouds"), startFolder(),
+        QFileDialog::getOpenFileNames(this, tr("Open point clouds"), m_settings->folder(),
                                       tr("LAS/LAZ point clouds (*.las *.laz *.LAS *.LAZ);;All files (*)"));
     if (files.isEmpty()) return;
-    m_settings->setValue(QStringLiteral("files/folder"), QFileInfo(files.front()).path());
+    m_settings->setFolder(QFileInfo(files.front()).path());
     openFiles(files);
 }
 
@@ -337,7 +329,7 @@ void MainWindow::closeEvent(QCloseEvent* event)
         }
         m_workspace->close(*document);
     }
-    storeSettings();
+    m_settings->store(*this, *m_view);
     event->accept();
 }
 
@@ -375,7 +367,9 @@ void MainWindow::showReadOut(const std::optional<PickedPoint>& point)
                        .arg(coordinateText(point->world.x, scale.x), coordinateText(point->world.y, scale.y),
                             coordinateText(point->world.z, scale.z));
     if (point->classCode) text += QStringLiteral("   ·   ") + classText(*point->classCode);
-    if (!point->value.isEmpty() && point->attribute != QLatin1String("Classification"))
+    static const QStringList told{QStringLiteral("X"), QStringLiteral("Y"), QStringLiteral("Z"),
+                                  QStringLiteral("Classification")};
+    if (!point->value.isEmpty() && !told.contains(point->attribute))
         text += QStringLiteral("   ·   %1 %2").arg(point->attribute, point->value);
     m_readOut->setText(text);
 }
@@ -384,12 +378,9 @@ void MainWindow::showViewState()
 {
     const auto frame = m_renderer->frame();
     if (!frame) return;
-    if (m_attributes->model().shown() != frame->attribute) {
-        m_attributes->setFrame(*frame);
-        m_menu->setAttributes(m_workspace->active(), frame->attribute);
-    } else {
-        m_attributes->setFrame(*frame);
-    }
+    const bool other = m_attributes->model().shown() != frame->attribute;
+    m_attributes->setFrame(*frame);
+    if (other) m_menu->setAttributes(m_workspace->active(), frame->attribute);
     if (!m_workspace->active()) return;
     m_viewState->setText(frame->report.converged
                              ? tr("All points drawn")
@@ -426,64 +417,22 @@ QString MainWindow::screenshotName() const
 {
     const Document* active = m_workspace->active();
     const QString base = active ? QFileInfo(active->name()).completeBaseName() : QStringLiteral("punctum");
-    return startFolder() + QLatin1Char('/') + base + QStringLiteral(".png");
+    return m_settings->folder() + QLatin1Char('/') + base + QStringLiteral(".png");
 }
 
 // -- settings and help
 
-void MainWindow::restoreSettings()
-{
-    const QSize room = screen() ? screen()->availableSize() : QSize(1400, 900);
-    resize(std::min(1480, room.width() * 9 / 10), std::min(920, room.height() * 9 / 10));
-    restoreGeometry(m_settings->value(QStringLiteral("window/geometry")).toByteArray());
-    restoreState(m_settings->value(QStringLiteral("window/state")).toByteArray(), kSettingsVersion);
-    m_view->setPointSize(m_settings->value(QStringLiteral("view/pointSize"), 1.0).toDouble());
-    m_view->setSamples(m_settings->value(QStringLiteral("view/samples"), 1).toInt());
-    m_view->setColorMap(m_settings->value(QStringLiteral("view/colorMap"), m_view->colorMap()).toString());
-    const int background = m_settings->value(QStringLiteral("view/background"), 0).toInt();
-    m_view->setBackground(ViewSettings::Background(std::clamp(background, 0, 2)));
-    m_menu->setRecentFiles(recentFiles());
-    m_menu->setAppearance(appearanceFromName(m_settings->value(QStringLiteral("window/appearance")).toString()));
-}
-
-void MainWindow::storeSettings()
-{
-    m_settings->setValue(QStringLiteral("window/geometry"), saveGeometry());
-    m_settings->setValue(QStringLiteral("window/state"), saveState(kSettingsVersion));
-    m_settings->setValue(QStringLiteral("view/pointSize"), m_view->display().pointSize);
-    m_settings->setValue(QStringLiteral("view/samples"), m_view->display().samples);
-    m_settings->setValue(QStringLiteral("view/colorMap"), m_view->colorMap());
-    m_settings->setValue(QStringLiteral("view/background"), int(m_view->background()));
-}
-
 void MainWindow::setAppearance(Appearance appearance)
 {
-    m_settings->setValue(QStringLiteral("window/appearance"), nameOf(appearance));
+    m_settings->setAppearance(appearance);
     applyTheme(*qApp, appearance);
     m_menu->setAppearance(appearance);
 }
 
-QStringList MainWindow::recentFiles() const
-{
-    return m_settings->value(QStringLiteral("files/recent")).toStringList();
-}
-
 void MainWindow::rememberFile(const QString& path)
 {
-    QStringList recent = recentFiles();
-    recent.removeAll(path);
-    recent.prepend(path);
-    recent = recent.mid(0, kRecentFiles);
-    m_settings->setValue(QStringLiteral("files/recent"), recent);
-    m_settings->setValue(QStringLiteral("files/folder"), QFileInfo(path).path());
-    m_menu->setRecentFiles(recent);
-}
-
-QString MainWindow::startFolder() const
-{
-    return m_settings
-        ->value(QStringLiteral("files/folder"), QStandardPaths::writableLocation(QStandardPaths::HomeLocation))
-        .toString();
+    m_settings->addRecentFile(path);
+    m_menu->setRecentFiles(m_settings->recentFiles());
 }
 
 void MainWindow::showAbout()
@@ -500,14 +449,7 @@ int runWindow(QApplication& application, const QStringList& files, const WindowO
 {
     QApplication::setApplicationDisplayName(QString());
     QApplication::setWindowIcon(programIcon());
-    {
-        const std::unique_ptr<QSettings> settings =
-            options.settingsFile.isEmpty()
-                ? std::make_unique<QSettings>(QStringLiteral("Punctum"), QStringLiteral("Punctum"))
-                : std::make_unique<QSettings>(options.settingsFile, QSettings::IniFormat);
-        applyTheme(application,
-                   appearanceFromName(settings->value(QStringLiteral("window/appearance")).toString()));
-    }
+    applyTheme(application, WindowSettings(options.settingsFile).appearance());
     MainWindow window(options);
     window.show();
     window.openFiles(files);

@@ -16,7 +16,6 @@
 
 class QApplication;
 class QLabel;
-class QSettings;
 
 namespace punctum::ui
 {
@@ -31,6 +30,7 @@ class PropertiesDock;
 class ViewRenderer;
 class ViewSettings;
 class Viewport;
+class WindowSettings;
 class Workspace;
 struct PickedPoint;
 
@@ -102,8 +102,6 @@ protected:
 private:
     void connectParts();
     void addDocks();
-    void restoreSettings();
-    void storeSettings();
     void updateTitle();
     void updateSceneBounds();
     void documentAdded(Document* document);
@@ -114,13 +112,11 @@ private:
     void setBackend(render::BackendKind kind);
     void setAppearance(Appearance appearance);
     void rememberFile(const QString& path);
-    QStringList recentFiles() const;
     /// True: go on at once. False: not now; after a save that was asked for, `afterSaving` is called.
     bool confirmClose(Document& document, std::function<void()> afterSaving);
-    QString startFolder() const;
     QString screenshotName() const;
 
-    std::unique_ptr<QSettings> m_settings;
+    std::unique_ptr<WindowSettings> m_settings;
     Workspace* m_workspace = nullptr;
     ViewSettings* m_view = nullptr;
     ViewRenderer* m_renderer = nullptr;

@@ -16,7 +16,8 @@ namespace punctum::ui
 namespace
 {
 constexpr int kMostBars = 4;
-constexpr int kNewsLast = 6000;  // ms
+constexpr int kNewsLast = 6000;       // ms
+constexpr int kWarningsLast = 15000;  // ms
 }  // namespace
 
 MessageArea::MessageArea(QWidget* parent) : QWidget(parent)
@@ -70,7 +71,9 @@ void MessageArea::add(MessageKind kind, const QString& sentence)
     row->addWidget(text, 1);
     row->addWidget(close, 0, Qt::AlignTop);
     m_column->addWidget(bar);
-    if (kind == MessageKind::Info) QTimer::singleShot(kNewsLast, bar, [this, bar] { remove(bar); });
+    if (kind != MessageKind::Error)
+        QTimer::singleShot(kind == MessageKind::Info ? kNewsLast : kWarningsLast, bar,
+                           [this, bar] { remove(bar); });
     show();
     raise();
     emit resized();
@@ -82,6 +85,11 @@ QStringList MessageArea::sentences() const
     for (const QFrame* bar : findChildren<QFrame*>(QStringLiteral("message"), Qt::FindDirectChildrenOnly))
         list << bar->property("sentence").toString();
     return list;
+}
+
+int MessageArea::heightForWidth(int width) const
+{
+    return m_column->heightForWidth(width);
 }
 
 void MessageArea::clear()

@@ -11,8 +11,8 @@ class QVBoxLayout;
 namespace punctum::ui
 {
 
-/// Sentences to the user, over the top of the view, newest last. Errors and warnings stay until closed; plain
-/// news go by themselves. Nothing waits for an answer. GUI thread only.
+/// Sentences to the user, over the top of the view, newest last. Errors stay until closed; news, and warnings
+/// (which the properties keep), go by themselves. Nothing waits for an answer. GUI thread only.
 class MessageArea final : public QWidget
 {
     Q_OBJECT
@@ -23,6 +23,8 @@ public:
     /// What is shown at present, oldest first.
     QStringList sentences() const;
     void clear();
+    /// What the bars take, their sentences wrapped to this width.
+    int heightForWidth(int width) const override;
 
 signals:
     void resized();

@@ -100,8 +100,7 @@ void Viewport::applyCamera(const render::Camera& camera)
 {
     m_camera = camera;
     m_renderer.setCamera(camera);
-    m_compass->setCamera(camera, pictureSize().height(), m_pixelRatio,
-                         m_document ? unitOf(m_document->source().crs) : QString());
+    m_compass->setCamera(camera, pictureSize().height(), m_pixelRatio, coordinateUnit());
     emit cameraChanged();
 }
 
@@ -109,6 +108,7 @@ void Viewport::setCamera(const render::Camera& camera, bool animated)
 {
     m_flight->stop();
     m_zoomTarget.reset();
+    m_fitted = false;
     if (!animated || !isVisible()) {
         applyCamera(camera);
         return;
@@ -121,6 +121,7 @@ void Viewport::setCamera(const render::Camera& camera, bool animated)
 void Viewport::userCamera(const render::Camera& camera)
 {
     ++m_userMoves;
+    m_fitted = false;
     m_flight->stop();
     applyCamera(camera);
 }
@@ -132,6 +133,7 @@ void Viewport::fit(bool animated)
     render::Camera camera = m_camera;
     camera.fit(m_bounds, {size.width(), size.height()});
     setCamera(camera, animated);
+    m_fitted = true;
 }
 
 void Viewport::setStandardView(const QString& name)
@@ -142,6 +144,7 @@ void Viewport::setStandardView(const QString& name)
     camera.fit(m_bounds, {size.width(), size.height()});
     ++m_userMoves;
     setCamera(camera, true);
+    m_fitted = true;
 }
 
 void Viewport::centerOn(QPointF position)
@@ -312,7 +315,10 @@ void Viewport::sendSize()
     m_navigation.setSize({size.width(), size.height()});
     m_renderer.setSize(size.width(), size.height());
     if (ratioChanged) sendDisplay();
-    applyCamera(m_camera);
+    if (m_fitted)
+        fit(false);
+    else
+        applyCamera(m_camera);
 }
 
 void Viewport::sendDisplay()
@@ -408,24 +414,23 @@ void Viewport::placeOverlays()
     m_compass->resize(m_compass->sizeHint());
     m_compass->move(kEdge, height() - m_compass->height() - kEdge);
     m_legend->move(width() - m_legend->width() - kEdge, height() - m_legend->height() - kEdge);
-    const int messageWidth = std::min(640, width() - 2 * kEdge);
-    m_messages->setFixedWidth(std::max(120, messageWidth));
-    m_messages->adjustSize();
-    m_messages->move((width() - m_messages->width()) / 2, kEdge);
+    // Beside the title where there is room, else under it.
+    const int free = width() - 2 * kEdge;
+    const int right = m_title->isVisible() ? m_title->geometry().right() + kEdge : kEdge;
+    const int messageWidth = std::min(680, free);
+    const bool beside = width() - kEdge - right >= std::min(440, free);
+    const int fitting = beside ? std::min(messageWidth, width() - kEdge - right) : messageWidth;
+    const int left = std::max((width() - fitting) / 2, beside ? right : kEdge);
+    m_messages->setGeometry(left, beside ? kEdge : m_title->geometry().bottom() + kEdge, fitting,
+                            m_messages->heightForWidth(fitting));
     m_messages->raise();
 }
 
-QString Viewport::unitOf(const std::string& crs)
+QString Viewport::coordinateUnit() const
 {
-    const QString text = toQString(crs).toLower();
-    const bool projected = text.contains(QLatin1String("projcs")) || text.contains(QLatin1String("projcrs"));
-    if (!projected) return text.contains(QLatin1String("geog")) ? QStringLiteral("°") : QString();
-    // The last unit before a vertical system is the one of x and y.
-    const qsizetype vertical = text.indexOf(QLatin1String("vert"));
-    const qsizetype unit = text.lastIndexOf(QLatin1String("unit["), vertical < 0 ? -1 : vertical);
-    const QStringView name = QStringView(text).mid(std::max<qsizetype>(unit, 0), 40);
-    if (name.contains(QLatin1String("foot")) || name.contains(QLatin1String("feet"))) return QStringLiteral("ft");
-    return name.contains(QLatin1String("met")) ? QStringLiteral("m") : QString();
+    const Attribute* x = m_document ? m_document->findAttribute(QStringLiteral("X")) : nullptr;
+    if (!x) return {};
+    return x->unit == "deg" ? QStringLiteral("°") : toQString(x->unit);
 }
 
 }  // namespace punctum::ui

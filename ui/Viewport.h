@@ -46,6 +46,7 @@ public:
     void setCamera(const render::Camera& camera, bool animated = false);
     /// The box of all that is open; what fit() and the first view go by.
     void setSceneBounds(const WorldBounds& bounds) { m_bounds = bounds; }
+    /// Shows all of it, and goes on doing so when the size changes, until the user moves the camera.
     void fit(bool animated = true);
     /// "top", "front", ... keeping the pivot, then fitted.
     void setStandardView(const QString& name);
@@ -61,8 +62,6 @@ public:
     bool usesOpenGl() const;
     /// Size of the picture in px: logical size times the screen's ratio.
     QSize pictureSize() const;
-    /// A short name of the coordinates' unit for this CRS: "m", "ft", "°", or nothing.
-    static QString unitOf(const std::string& crs);
 
 signals:
     void filesDropped(const QStringList& paths);
@@ -93,6 +92,7 @@ private:
     void takeFrame();
     void sendDisplay();
     void sendSize();
+    QString coordinateUnit() const;
     void placeOverlays();
     void updateLegend();
     void centerOn(QPointF position);
@@ -117,6 +117,7 @@ private:
     Navigation m_navigation;
     WorldBounds m_bounds;
     std::uint64_t m_userMoves = 0;
+    bool m_fitted = false;
     double m_pixelRatio = 1.0;
 
     QPointF m_mouse;

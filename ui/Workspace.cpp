@@ -169,7 +169,7 @@ void Workspace::openingEnded(const std::shared_ptr<Opening>& opening, const JobI
     emit documentLoaded(document);
     const QStringList& warnings = document->warnings();
     if (warnings.size() == 1)
-        say(MessageKind::Warning, warnings.front());
+        say(MessageKind::Warning, tr("%1: %2").arg(document->name(), warnings.front()));
     else if (!warnings.isEmpty())
         say(MessageKind::Warning,
             tr("%1 opened with %2 warnings; Properties lists them.").arg(document->name()).arg(warnings.size()));

@@ -3,7 +3,6 @@
 #include "ui/Navigation.h"
 #include "ui/Overlays.h"
 #include "ui/Text.h"
-#include "ui/Viewport.h"
 #include "ui/style/Icons.h"
 
 #include <QDir>
@@ -136,16 +135,6 @@ private slots:
         QCOMPARE(roundLength(20.0), 20.0);
         QCOMPARE(roundLength(0.0), 0.0);
         QCOMPARE(roundLength(-1.0), 0.0);
-    }
-    void unitsOfCoordinates()
-    {
-        QCOMPARE(Viewport::unitOf(""), QString());
-        QCOMPARE(Viewport::unitOf("GEOGCS[\"WGS 84\",UNIT[\"degree\",0.0174]]"), QStringLiteral("°"));
-        QCOMPARE(Viewport::unitOf("PROJCS[\"x\",GEOGCS[\"y\",UNIT[\"degree\",0.01]],UNIT[\"metre\",1]]"),
-                 QStringLiteral("m"));
-        QCOMPARE(Viewport::unitOf("PROJCS[\"x\",GEOGCS[\"y\",UNIT[\"degree\",0.01]],UNIT[\"US survey foot\",0.3]],"
-                                  "VERT_CS[\"z\",UNIT[\"metre\",1]]"),
-                 QStringLiteral("ft"));
     }
     void iconsCanBeRead()
     {

@@ -4,6 +4,7 @@
 #include "render/color/ColorMap.h"
 #include "ui/Text.h"
 #include "ui/ViewSettings.h"
+#include "ui/style/Theme.h"
 
 #include <QComboBox>
 #include <QDoubleSpinBox>
@@ -132,6 +133,7 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     const auto addRow = [&](const QString& text, auto* field) {
         auto* label = new QLabel(text);
         label->setProperty("dim", true);
+        label->setMinimumHeight(kFieldHeight);  // in line with the middle of its field
         form->addRow(label, field);
     };
     addRow(tr("Colors"), m_map);

@@ -158,6 +158,7 @@ void ProcessingDock::buildFields()
         field.widget->setAccessibleName(label);
         auto* name = new QLabel(label);
         name->setProperty("dim", true);
+        name->setMinimumHeight(kFieldHeight);  // in line with the middle of its field
         name->setToolTip(toQString(parameter.help));
         m_form->addRow(name, field.widget);
         field.parameter = std::move(parameter);
@@ -263,6 +264,11 @@ void ProcessingDock::updateState()
 {
     const bool busy = m_job != 0;
     m_run->setText(busy ? tr("Cancel") : tr("Run"));
+    if (m_run->property("primary").toBool() == busy) {
+        m_run->setProperty("primary", !busy);
+        m_run->style()->unpolish(m_run);
+        m_run->style()->polish(m_run);
+    }
     m_run->setEnabled(busy || (m_document && !m_document->loading()));
     m_run->setToolTip(busy ? tr("Stop; nothing changes")
                            : tr("Run this step on the active file. It can be undone."));

@@ -14,7 +14,6 @@ namespace
 {
 
 constexpr qreal kRadius = 6.0;
-constexpr int kFieldHeight = 30;  // that of the line edits of the style sheet
 
 void drawField(QPainter& painter, const QRect& rect, bool enabled, bool hover, bool focus, const QColor& fill)
 {
@@ -131,6 +130,7 @@ int Style::styleHint(StyleHint hint, const QStyleOption* option, const QWidget* 
                      QStyleHintReturn* result) const
 {
     if (hint == SH_ComboBox_Popup) return 0;  // a list that drops down and scrolls, not a menu over the field
+    if (hint == SH_DialogButtonBox_ButtonsHaveIcons) return 0;
     return QProxyStyle::styleHint(hint, option, widget, result);
 }
 

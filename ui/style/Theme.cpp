@@ -118,7 +118,7 @@ QTabBar::tab:selected { color: @text; border-bottom: 2px solid @accent; }
 QTabBar::tab:hover:!selected { color: @text; }
 
 QListView, QTreeView, QTableView, QTextBrowser { background: @base; border: 1px solid @border; border-radius: 7px; outline: none; }
-QListView::item, QTableView::item { border: none; }
+QTableView::item { border: none; padding: 0 6px; }
 QTableView::item:selected, QTreeView::item:selected { background: @accentSoft; color: @text; }
 QHeaderView { background: transparent; }
 QHeaderView::section { background: transparent; color: @dim; border: none; padding: 4px 6px; }
@@ -134,8 +134,9 @@ QPushButton[primary="true"]:disabled { background: @raised; border-color: @borde
 QPushButton[flat="true"] { background: transparent; border: none; padding: 4px 8px; color: @accent; }
 QPushButton[flat="true"]:hover { background: @hover; }
 QPushButton:checked { background: @accentSoft; border-color: @accent; }
+QPushButton:checked:disabled { background: @raised; border-color: @border; }
 
-QLineEdit { background: @base; border: 1px solid @border; border-radius: 6px; padding: 5px 7px; selection-background-color: @accent; }
+QLineEdit { min-height: 18px; background: @base; border: 1px solid @border; border-radius: 6px; padding: 5px 7px; selection-background-color: @accent; }
 QLineEdit:focus { border-color: @accent; }
 QLineEdit:disabled { color: @dim; }
 QLineEdit[wrong="true"] { border-color: @error; }
@@ -151,7 +152,7 @@ QScrollBar::add-line, QScrollBar::sub-line, QScrollBar::add-page, QScrollBar::su
 
 QToolTip { background: @raised; color: @text; border: 1px solid @border; padding: 5px 7px; }
 QLabel[dim="true"] { color: @dim; }
-QLabel[dockTitle="true"] { color: @text; font-weight: 600; padding: 9px 12px 3px 12px; }
+QLabel[dockTitle="true"] { color: @text; font-weight: 600; padding: 9px 11px 3px 11px; }
 )");
     const std::pair<const char*, QColor> tokens[] = {
         {"@accentSoft", c.accentSoft},

@@ -12,6 +12,9 @@ namespace punctum::ui
 
 /// The window's colours and spacing. GUI thread.
 
+/// Height of line edits, combo boxes and spin boxes in logical px, so that rows line up.
+inline constexpr int kFieldHeight = 30;
+
 enum class Appearance { System, Dark, Light };
 
 /// The colours that widgets of ours paint with, beyond the palette.

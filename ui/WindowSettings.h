@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "render/raster/Backend.h"
+#include "ui/style/Theme.h"
+
+#include <QString>
+#include <QStringList>
+
+#include <memory>
+#include <optional>
+
+class QMainWindow;
+class QSettings;
+
+namespace punctum::ui
+{
+
+class ViewSettings;
+
+/// What is remembered from one start to the next: the window's place, recent files, how points are shown.
+/// GUI thread only.
+class WindowSettings
+{
+public:
+    /// `file`: an .ini file; empty: the user's own settings.
+    explicit WindowSettings(const QString& file);
+    ~WindowSettings();
+
+    void restore(QMainWindow& window, ViewSettings& view) const;
+    void store(const QMainWindow& window, const ViewSettings& view);
+
+    Appearance appearance() const;
+    void setAppearance(Appearance appearance);
+    std::optional<render::BackendKind> backend() const;
+    void setBackend(render::BackendKind kind);
+
+    /// Newest first.
+    QStringList recentFiles() const;
+    void addRecentFile(const QString& path);
+    void clearRecentFiles();
+    /// Where dialogs begin.
+    QString folder() const;
+    void setFolder(const QString& folder);
+
+private:
+    std::unique_ptr<QSettings> m_settings;
+};
+
+}  // namespace punctum::ui
