@@ -33,7 +33,7 @@ done
 
 build=$root/build/release
 punctum=$build/bin/punctum
-echo "run: building (the first time takes some minutes)"
+echo "run: building (some minutes the first time)"
 (
     cd "$root"
     if [ ! -e "$build/build.ninja" ] || [ -n "$(find CMakePresets.json -newer "$build/build.ninja")" ]; then
@@ -48,7 +48,7 @@ if [ $# -eq 0 ]; then
         echo "run: making a survey of 5 million points"
         part=$root/build/survey-5M.$$.part.laz
         trap 'rm -f "$part"' EXIT
-        "$punctum" sample "$part" --points 5000000
+        "$punctum" sample "$part" --points 5000000 >/dev/null
         mv "$part" "$survey"
         trap - EXIT
     fi
