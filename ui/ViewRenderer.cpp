@@ -25,7 +25,9 @@ constexpr std::chrono::milliseconds kLoadingPause(60);
 QString pickedValue(const Attribute& attribute, PointIndex index)
 {
     QStringList parts;
-    for (std::uint32_t c = 0; c < attribute.components; ++c) parts << valueText(attribute.value(index, c));
+    for (std::uint32_t c = 0; c < attribute.components; ++c)
+        parts << (attribute.kind == AttributeKind::Vector ? QString::number(attribute.number(index, c), 'f', 3)
+                                                          : valueText(attribute.value(index, c)));
     return parts.join(QStringLiteral(", "));
 }
 

@@ -18,22 +18,25 @@ QString tr(const char* text)
     return QCoreApplication::translate("DocumentProperties", text);
 }
 
+// x, y and z one below the other: side by side they wrap in a narrow dock.
+
 QString vectorText(const glm::dvec3& v)
 {
     const auto text = [](double x) { return QLocale::c().toString(x, 'g', 12); };
-    return QStringLiteral("%1  %2  %3").arg(text(v.x), text(v.y), text(v.z));
+    if (v.x == v.y && v.y == v.z) return text(v.x);
+    return QStringLiteral("%1\n%2\n%3").arg(text(v.x), text(v.y), text(v.z));
 }
 
 QString sizeText(const WorldBounds& b, const glm::dvec3& scale)
 {
     const glm::dvec3 d = b.max - b.min;
-    return QStringLiteral("%1 × %2 × %3")
+    return QStringLiteral("%1\n%2\n%3")
         .arg(coordinateText(d.x, scale.x), coordinateText(d.y, scale.y), coordinateText(d.z, scale.z));
 }
 
 QString cornerText(const glm::dvec3& v, const glm::dvec3& scale)
 {
-    return QStringLiteral("%1  %2  %3")
+    return QStringLiteral("%1\n%2\n%3")
         .arg(coordinateText(v.x, scale.x), coordinateText(v.y, scale.y), coordinateText(v.z, scale.z));
 }
 

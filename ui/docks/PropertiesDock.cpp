@@ -66,8 +66,10 @@ void PropertiesDock::update()
                 if (name.isEmpty())
                     html += QStringLiteral("<tr><td colspan='2'>%1</td></tr>").arg(value.toHtmlEscaped());
                 else
-                    html += QStringLiteral("<tr><td style='color:%1; padding-right:10px'>%2</td><td>%3</td></tr>")
-                                .arg(colors.dim.name(), name.toHtmlEscaped(), value.toHtmlEscaped());
+                    html += QStringLiteral(
+                                "<tr><td width='44%' style='color:%1; padding-right:10px'>%2</td><td>%3</td></tr>")
+                                .arg(colors.dim.name(), name.toHtmlEscaped(),
+                                     value.toHtmlEscaped().replace(QLatin1Char('\n'), QLatin1String("<br>")));
             }
         }
         html += QStringLiteral("</table>");
