@@ -61,5 +61,5 @@ if [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ]; then
 fi
 picture=$root/build/punctum.png
 echo "run: there is no display, so the picture is rendered into a file"
-"$punctum" render "$@" -o "$picture"
+"$punctum" render "$@" -o "$picture" --point-size 2
 echo "run: the picture is $picture"
