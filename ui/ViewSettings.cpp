@@ -29,7 +29,7 @@ void ViewSettings::setAttribute(const QString& name)
 
 void ViewSettings::setColorMap(const QString& name)
 {
-    if (name == colorMap() || !render::findColorMap(name.toStdString())) return;
+    if (name == colorMap() || (!name.isEmpty() && !render::findColorMap(name.toStdString()))) return;
     m_display.colorMap = name.toStdString();
     notify();
 }

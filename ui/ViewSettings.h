@@ -24,6 +24,7 @@ public:
     /// Empty: each cloud by its own first attribute.
     QString attribute() const { return QString::fromStdString(m_display.attribute); }
     void setAttribute(const QString& name);
+    /// Empty: the map that suits the attribute.
     QString colorMap() const { return QString::fromStdString(m_display.colorMap); }
     void setColorMap(const QString& name);
     void setRange(std::optional<std::pair<double, double>> range);

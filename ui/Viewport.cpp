@@ -381,8 +381,8 @@ void Viewport::updateLegend()
         switch (attribute->kind) {
             case AttributeKind::Scalar:
                 content.bar = true;
-                if (const render::ColorMap* map = render::findColorMap(m_settings.display().colorMap))
-                    content.table = map->table;
+                content.table =
+                    render::chosenColorMap(m_settings.display().colorMap, m_frame->attribute.toStdString()).table;
                 content.low = numberText(m_frame->range.first);
                 content.high = numberText(m_frame->range.second);
                 break;

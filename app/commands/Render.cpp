@@ -26,7 +26,7 @@ struct RenderOptions {
     std::string out;
     std::string size = "1280x800";
     std::string attribute;
-    std::string colorMap = "viridis";
+    std::string colorMap;  ///< empty: the one that suits the attribute
     std::string range;
     std::string view;
     std::string camera;
@@ -169,7 +169,7 @@ void addRender(CLI::App& root, Action& action)
         ->type_name("NAME");
     command
         .add_option("--color-map", options->colorMap,
-                    "Colors of a quantity: " + CLI::detail::join(maps, ", ") + "; default viridis")
+                    "Colors of a quantity: " + CLI::detail::join(maps, ", ") + "; default: grey for Intensity, else viridis")
         ->type_name("NAME")
         ->check([maps](const std::string& name) {
             return std::find(maps.begin(), maps.end(), name) != maps.end()

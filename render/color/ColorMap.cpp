@@ -81,6 +81,17 @@ const ColorMap* findColorMap(std::string_view name)
     return it == maps.end() ? nullptr : &*it;
 }
 
+const ColorMap& suitableColorMap(std::string_view attribute)
+{
+    return *findColorMap(attribute == "Intensity" ? "grey" : "viridis");
+}
+
+const ColorMap& chosenColorMap(std::string_view name, std::string_view attribute)
+{
+    const ColorMap* const map = findColorMap(name);
+    return map != nullptr ? *map : suitableColorMap(attribute);
+}
+
 const std::array<ClassStyle, 256>& asprsClasses()
 {
     static const std::array<ClassStyle, 256> kClasses = loadClasses();

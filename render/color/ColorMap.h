@@ -24,6 +24,12 @@ std::span<const ColorMap> colorMaps();
 /// Null when there is none of that name.
 const ColorMap* findColorMap(std::string_view name);
 
+/// The map that suits an attribute when the user chose none: grey for Intensity, as everybody expects it, else
+/// viridis.
+const ColorMap& suitableColorMap(std::string_view attribute);
+/// The map of that name; the suitable one when the name is empty or unknown.
+const ColorMap& chosenColorMap(std::string_view name, std::string_view attribute);
+
 /// A class of the ASPRS standard (LAS 1.4 R15, table 17).
 struct ClassStyle {
     std::string name;  ///< "Ground"; "Class 40" for those without a name

@@ -317,8 +317,7 @@ void ProgressiveRenderer::resolveImage()
         }
         settings.layers.push_back(colors);
     }
-    const ColorMap* const map = findColorMap(m_display.colorMap);
-    settings.colorMap = (map != nullptr ? *map : colorMaps().front()).table;
+    settings.colorMap = chosenColorMap(m_display.colorMap, shownAttribute()).table;
     settings.palette = m_display.palette;
     settings.backgroundTop = m_display.backgroundTop;
     settings.backgroundBottom = m_display.backgroundBottom;

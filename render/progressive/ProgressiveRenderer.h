@@ -17,7 +17,7 @@ namespace punctum::render
 /// What the user chose to see; belongs to the view, not to a cloud.
 struct DisplaySettings {
     std::string attribute;             ///< name; a cloud without it keeps what it shows (first: see firstAttribute)
-    std::string colorMap = "viridis";  ///< Scalar attributes
+    std::string colorMap;  ///< Scalar attributes; empty: suitableColorMap()
     std::optional<std::pair<double, double>> range;  ///< Scalar; none: 2nd to 98th percentile over all clouds
     std::array<Rgba8, 256> palette{};                ///< Class; defaults to asprsClasses()
     std::array<bool, 256> classVisible{};            ///< defaults to all

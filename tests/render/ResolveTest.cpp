@@ -42,6 +42,9 @@ void ResolveTest::colorMapsAreComplete()
     QCOMPARE(findColorMap("viridis")->table[255], (Rgba8{0xfd, 0xe7, 0x25, 255}));
     QCOMPARE(unsigned(findColorMap("grey")->table[77].g), 77u);
     QVERIFY(findColorMap("no such map") == nullptr);
+    QCOMPARE(chosenColorMap("", "Intensity").name, std::string("grey"));
+    QCOMPARE(chosenColorMap("", "Z").name, std::string("viridis"));
+    QCOMPARE(chosenColorMap("turbo", "Intensity").name, std::string("turbo"));
 }
 
 void ResolveTest::classesHaveNamesAndColors()

@@ -75,12 +75,14 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
 {
     const QSize icon(72, 12);
     m_map->setIconSize(icon);
+    m_map->addItem(tr("Automatic"), QString());
     for (const render::ColorMap& map : render::colorMaps())
-        m_map->addItem(gradientIcon(map.table, icon), toQString(map.name));
-    m_map->setToolTip(tr("Colors from the lowest to the highest value"));
+        m_map->addItem(gradientIcon(map.table, icon), toQString(map.name), toQString(map.name));
+    m_map->setToolTip(
+        tr("Colors from the lowest to the highest value; automatic: grey for Intensity, else viridis"));
     m_map->setAccessibleName(tr("Color map"));
-    connect(m_map, &QComboBox::currentTextChanged, this,
-            [this](const QString& name) { m_settings.setColorMap(name); });
+    connect(m_map, &QComboBox::currentIndexChanged, this,
+            [this](int index) { m_settings.setColorMap(m_map->itemData(index).toString()); });
 
     m_low->setToolTip(tr("Value that gets the first color"));
     m_low->setAccessibleName(tr("Lowest value"));
@@ -148,7 +150,7 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
 void ColorPanel::takeSettings()
 {
     const QSignalBlocker noMap(m_map), noSize(m_size), noSamples(m_samples);
-    m_map->setCurrentText(m_settings.colorMap());
+    m_map->setCurrentIndex(std::max(0, m_map->findData(m_settings.colorMap())));
     m_size->setValue(m_settings.display().pointSize);
     m_samples->setCurrentIndex(m_settings.display().samples > 1 ? 1 : 0);
     m_auto->setChecked(!m_settings.display().range);
