@@ -7,7 +7,18 @@
 #include <random>
 #include <string>
 
+#if defined(__SANITIZE_THREAD__)
+#include <tbb/global_control.h>
+#endif
+
 namespace punctum {
+
+#if defined(__SANITIZE_THREAD__)
+/// TBB as the system ships it is not built with thread sanitizer, which then takes everything that one of its
+/// threads wrote and another reads for a race: thousands of reports, all suppressed, each slow. Loops of TBB run in
+/// the thread that calls them here; the threads that the tests start themselves are still watched.
+inline const tbb::global_control kOneThread(tbb::global_control::max_allowed_parallelism, 1);
+#endif
 
 /// The C++ type of a column -> its ScalarType.
 template <typename T>
