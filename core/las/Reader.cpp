@@ -11,6 +11,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <bit>
 
 namespace punctum::las
 {
@@ -18,7 +19,7 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::size_t kBlockBytes = std::size_t(1) << 20;  ///< LAS: read at once by a thread; stays in its L2 cache
+constexpr std::size_t kBlockBytes = std::size_t(5) << 18;  ///< LAS: read at once by a thread; stays in its L2 cache
 constexpr std::uint64_t kMostInBlock = 1 << 15;            ///< points, LAS
 constexpr std::uint64_t kMostInBatch = 1 << 16;            ///< points handed on at once, LAZ
 constexpr std::size_t kMostWarnings = 10;                  ///< of damaged chunks, one sentence each
@@ -118,9 +119,8 @@ void Reader::Impl::visitPlain(Shared& shared) const
 {
     const SourceFile& s = *parsed.source;
     const std::uint64_t length = s.layout.length;
-    // Whole groups of 64 points, which share the words of sets of points.
-    std::uint64_t block = std::min<std::uint64_t>(kMostInBlock, std::max<std::uint64_t>(64, kBlockBytes / length));
-    block = block / 64 * 64;
+    // Powers of two: whole groups of those who deal the points out, and of 64, which share the words of sets.
+    std::uint64_t block = std::bit_floor(std::clamp<std::uint64_t>(kBlockBytes / length, 64, kMostInBlock));
     while ((s.pointCount + block - 1) / block > UINT32_MAX) block *= 2;
     const auto blocks = std::uint32_t((s.pointCount + block - 1) / block);
     const std::vector<std::uint32_t> order = spreadOrder(blocks);

@@ -20,6 +20,8 @@ namespace
 /// Points encoded and dealt out together: their positions, words and classes stay in the processor's second
 /// level cache, and with 1024 windows each window gets runs of 16 slots, whole cache lines.
 constexpr PointIndex kPutPoints = 16384;
+/// Groups dealt out together; more only with small clouds, whose groups are small.
+constexpr std::uint32_t kMostGroups = 64;
 
 /// Up to this many changed points are brought up to date at once instead of being streamed.
 constexpr PointIndex kFewPoints = 200'000;
@@ -229,33 +231,44 @@ void PointStore::put(PointRange range, const AttributeEncoder& encoder, bool wit
             if (haveClasses) classes[slot] = std::uint8_t(s.classes[k]);
             if (withPositions) positions[slot] = s.positions[k];
         };
-        const std::uint32_t mask = m_order.memberMask();
-        const PointIndex groupPoints = PointIndex(mask) + 1;
-        const PointIndex wholeFirst = (range.first + mask) / groupPoints * groupPoints;
-        const PointIndex wholeLast = range.last / groupPoints * groupPoints;
-        if (m_order.kind() != OrderKind::Stratified || wholeFirst >= wholeLast) {
+        if (m_order.kind() != OrderKind::Stratified) {
             for (std::size_t k = 0; k < count; ++k) store(m_order.slotOf(first + k), k);
-        } else {
-            for (PointIndex i = range.first; i < wholeFirst; ++i) store(m_order.slotOf(i), std::size_t(i - first));
-            for (PointIndex i = wholeLast; i < range.last; ++i) store(m_order.slotOf(i), std::size_t(i - first));
-            // Window by window: each gets a run of consecutive slots, one from each group.
-            const auto g0 = std::uint32_t(wholeFirst >> m_order.groupBits());
-            const auto groups = std::uint32_t((wholeLast - wholeFirst) >> m_order.groupBits());
-            GroupShuffle* const shuffles = reinterpret_cast<GroupShuffle*>(s.indices);  // done with: reused
-            static_assert(sizeof(GroupShuffle) <= 16 && sizeof(std::uint32_t) * kPutPoints >= 4096 * 12);
-            const std::size_t base = std::size_t(wholeFirst - first);
-            if (groups <= 4096) {
-                for (std::uint32_t g = 0; g < groups; ++g) shuffles[g] = groupShuffle(g0 + g);
-                for (std::uint32_t w = 0; w <= mask; ++w) {
-                    const Slot slot = w * m_order.windowSize() + g0;
+            continue;
+        }
+        const std::uint32_t mask = m_order.memberMask();
+        const Slot window = m_order.windowSize();
+        const PointIndex groupPoints = PointIndex(mask) + 1;
+        const auto dealOut = [&](PointIndex from, PointIndex to) {  // points of one group
+            const auto group = std::uint32_t(from >> m_order.groupBits());
+            const GroupShuffle shuffle = groupShuffle(group);
+            for (PointIndex i = from; i < to; ++i)
+                store(shuffle.window(std::uint32_t(i) & mask, mask) * window + group, std::size_t(i - first));
+        };
+        const PointIndex wholeFirst = std::min(range.last, (range.first + mask) / groupPoints * groupPoints);
+        const PointIndex wholeLast = std::max(wholeFirst, range.last / groupPoints * groupPoints);
+        if (range.first < wholeFirst) dealOut(range.first, wholeFirst);
+        if (wholeLast < range.last) dealOut(wholeLast, range.last);
+        // Whole groups window by window: each gets a run of consecutive slots, one from each group.
+        for (PointIndex from = wholeFirst; from < wholeLast;) {
+            const auto group = std::uint32_t(from >> m_order.groupBits());
+            const auto groups =
+                std::uint32_t(std::min<PointIndex>(kMostGroups, (wholeLast - from) >> m_order.groupBits()));
+            GroupShuffle shuffles[kMostGroups];
+            for (std::uint32_t g = 0; g < groups; ++g) shuffles[g] = groupShuffle(group + g);
+            const auto base = std::size_t(from - first);
+            for (std::uint32_t w = 0; w <= mask; ++w) {
+                const Slot slot = w * window + group;
+                std::size_t members[kMostGroups];
+                for (std::uint32_t g = 0; g < groups; ++g)
+                    members[g] = base + (std::size_t(g) << m_order.groupBits()) + shuffles[g].member(w, mask);
+                for (std::uint32_t g = 0; g < groups; ++g) words[slot + g] = s.words[members[g]];
+                if (withPositions)
+                    for (std::uint32_t g = 0; g < groups; ++g) positions[slot + g] = s.positions[members[g]];
+                if (haveClasses)
                     for (std::uint32_t g = 0; g < groups; ++g)
-                        store(slot + g,
-                              base + (std::size_t(g) << m_order.groupBits()) + shuffles[g].member(w, mask));
-                }
-            } else {
-                for (std::size_t k = base; k < base + std::size_t(wholeLast - wholeFirst); ++k)
-                    store(m_order.slotOf(first + k), k);
+                        classes[slot + g] = std::uint8_t(s.classes[members[g]]);
             }
+            from += PointIndex(groups) << m_order.groupBits();
         }
     }
     bumpVersions(whole, withPositions);
