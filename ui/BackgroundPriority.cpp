@@ -14,7 +14,7 @@ namespace
 {
 
 /// Enough that the window's thread always wins, little enough that jobs stay fast on a busy machine.
-constexpr int kNiceness = 5;
+constexpr int kNiceness = 3;
 
 void lowerThisThread() noexcept
 {

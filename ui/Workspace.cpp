@@ -12,7 +12,9 @@
 #include <QFileInfo>
 
 #include <algorithm>
+#include <chrono>
 #include <shared_mutex>
+#include <thread>
 
 namespace punctum::ui
 {
@@ -41,7 +43,7 @@ struct Workspace::Opening {
     JobId job = 0;
     std::shared_ptr<OpenCloud> data;
     las::ReadResult result;
-    Document* document = nullptr;  ///< GUI thread only
+    QPointer<Document> document;  ///< GUI thread only
 };
 
 Workspace::Workspace(QObject* parent) : QObject(parent), m_jobs(std::make_unique<Jobs>()) {}
@@ -68,9 +70,11 @@ JobId Workspace::startJob(const QString& title, Jobs::Work work, Ended ended, bo
                         it = it->second == info.id ? m_documentJobs.erase(it) : std::next(it);
                     if (ended) ended(info);
                     emit jobEnded(info);
+                    --m_unended;
                 },
                 Qt::QueuedConnection);
         });
+    ++m_unended;
     emit jobStarted(id, title, quiet);
     return id;
 }
@@ -134,7 +138,8 @@ void Workspace::documentReady(const std::shared_ptr<Opening>& opening)
     m_documentJobs.emplace(document, opening->job);
     Watch& watch = m_watches[document];
     watch.subscription = document->cloud()->subscribe(
-        [this, document, cloud = std::weak_ptr<PointCloud>(document->cloud())](const ChangeNotice& notice) {
+        [this, target = QPointer<Document>(document),
+         cloud = std::weak_ptr<PointCloud>(document->cloud())](const ChangeNotice& notice) {
             std::vector<Attribute> attributes;
             if (notice.kind == ChangeNotice::Kind::Attributes)
                 if (const auto alive = cloud.lock()) {
@@ -143,8 +148,8 @@ void Workspace::documentReady(const std::shared_ptr<Opening>& opening)
                 }
             QMetaObject::invokeMethod(
                 this,
-                [this, document, notice, attributes = std::move(attributes)] {
-                    handleNotice(document, notice, attributes);
+                [this, target, notice, attributes = std::move(attributes)] {
+                    if (target) handleNotice(*target, notice, attributes);
                 },
                 Qt::QueuedConnection);
         });
@@ -197,26 +202,34 @@ void Workspace::remove(Document& document, bool openingFailed)
         emit activeChanged(m_active);
     }
     emit documentRemoved(&document, openingFailed);
+    // Giving back gigabytes takes a while: the last one to let go of them is a job, not the window.
+    startJob(
+        tr("Close %1").arg(document.name()),
+        [data = document.data()](Progress& progress) {
+            while (data.use_count() > 1 && !progress.cancelled())
+                std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        },
+        {}, true);
     document.deleteLater();
 }
 
 // -- what the values are
 
-void Workspace::handleNotice(Document* document, const ChangeNotice& notice, std::vector<Attribute> attributes)
+void Workspace::handleNotice(Document& document, const ChangeNotice& notice, std::vector<Attribute> attributes)
 {
-    if (!m_watches.contains(document)) return;
+    if (!m_watches.contains(&document)) return;
     QStringList names;
     if (notice.kind == ChangeNotice::Kind::Attributes) {
         for (const std::string& name : notice.attributes) names << toQString(name);
-        document->forgetFigures(names);
-        document->setAttributes(std::move(attributes));
+        document.forgetFigures(names);
+        document.setAttributes(std::move(attributes));
     } else {
-        for (const Attribute& attribute : document->attributes())
+        for (const Attribute& attribute : document.attributes())
             if (notice.concerns(attribute)) names << toQString(attribute.name);
     }
-    emit cloudChanged(document, notice);
-    document->noteEdit();
-    if (!document->loading() && !names.isEmpty()) analyse(*document, names);
+    emit cloudChanged(&document, notice);
+    document.noteEdit();
+    if (!document.loading() && !names.isEmpty()) analyse(document, names);
 }
 
 void Workspace::analyse(Document& document, const QStringList& names)

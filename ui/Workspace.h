@@ -57,6 +57,8 @@ public:
     JobId startJob(const QString& title, Jobs::Work work, Ended ended = {}, bool quiet = false);
     void cancel(JobId id) { m_jobs->cancel(id); }
     Jobs& jobs() noexcept { return *m_jobs; }
+    /// Whether a job runs, or has ended and its result is still on its way here.
+    bool busy() const noexcept { return m_unended > 0; }
 
     /// Shows the user a sentence.
     void say(MessageKind kind, const QString& sentence) { emit message(kind, sentence); }
@@ -82,7 +84,7 @@ private:
     void documentReady(const std::shared_ptr<Opening>& opening);
     void openingEnded(const std::shared_ptr<Opening>& opening, const JobInfo& info);
     void remove(Document& document, bool openingFailed);
-    void handleNotice(Document* document, const ChangeNotice& notice, std::vector<Attribute> attributes);
+    void handleNotice(Document& document, const ChangeNotice& notice, std::vector<Attribute> attributes);
     void analyse(Document& document, const QStringList& names);
     void moveHistory(Document& document, bool forward);
 
@@ -98,6 +100,7 @@ private:
     std::vector<std::shared_ptr<Opening>> m_opening;
     std::multimap<Document*, JobId> m_documentJobs;
     Document* m_active = nullptr;
+    std::size_t m_unended = 0;
 };
 
 }  // namespace punctum::ui

@@ -114,7 +114,7 @@ private slots:
         std::atomic<bool> done = false;
         workspace.startJob(
             QStringLiteral("Quiet"), [&](Progress&) { done = true; }, {}, true);
-        QVERIFY(waitFor([&] { return done.load() && workspace.jobs().idle(); }));
+        QVERIFY(waitFor([&] { return done.load() && !workspace.busy(); }));
         QTest::qWait(200);
         QCOMPARE(jobs.rowCount(), 0);
     }

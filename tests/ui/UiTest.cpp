@@ -66,7 +66,7 @@ bool TestWindow::settle(const QString& attribute, int timeoutMs)
         [&] {
             const auto now = frame();
             return now && now->report.converged && now->camera == window->viewport().camera() &&
-                   window->workspace().jobs().idle() && !window->workspace().opening() &&
+                   !window->workspace().busy() && !window->workspace().opening() &&
                    (attribute.isEmpty() || now->attribute == attribute);
         },
         timeoutMs);
@@ -85,14 +85,20 @@ void TestWindow::dropFiles(const QStringList& paths)
     QList<QUrl> urls;
     for (const QString& path : paths) urls << QUrl::fromLocalFile(path);
     mime.setUrls(urls);
+    drop(mime);
+}
+
+void TestWindow::drop(const QMimeData& mime, const std::function<void()>& over)
+{
     Viewport& view = window->viewport();
     const QPoint middle = view.rect().center();
     QDragEnterEvent enter(middle, Qt::CopyAction, &mime, Qt::LeftButton, Qt::NoModifier);
     QApplication::sendEvent(&view, &enter);
     QVERIFY(enter.isAccepted());
-    QDropEvent drop(middle, Qt::CopyAction, &mime, Qt::LeftButton, Qt::NoModifier);
-    QApplication::sendEvent(&view, &drop);
-    QVERIFY(drop.isAccepted());
+    if (over) over();
+    QDropEvent dropped(middle, Qt::CopyAction, &mime, Qt::LeftButton, Qt::NoModifier);
+    QApplication::sendEvent(&view, &dropped);
+    QVERIFY(dropped.isAccepted());
 }
 
 void dragWithMouse(QWidget& from, QPoint start, QWidget& to, QPoint end)

@@ -31,14 +31,16 @@ struct TestWindow {
     /// Opens and waits until all is loaded and drawn; null on failure.
     Document* open(const QString& path);
     /// Waits until the picture is finished, shows `attribute` (when not empty), and no job runs.
-    bool settle(const QString& attribute = {}, int timeoutMs = 60000);
+    bool settle(const QString& attribute = {}, int timeoutMs = 200000);
     std::shared_ptr<const Frame> frame() const { return window->renderer().frame(); }
     /// Sends the events of files being dropped on the view.
     void dropFiles(const QStringList& paths);
+    /// The same of anything; `over` is called while it hovers.
+    void drop(const QMimeData& mime, const std::function<void()>& over = {});
 };
 
 /// Lets the event loop run until `done` says so; false after the time.
-bool waitFor(const std::function<bool()>& done, int timeoutMs = 60000);
+bool waitFor(const std::function<bool()>& done, int timeoutMs = 200000);
 
 /// Presses the mouse on one widget, moves in steps, and lets go on another.
 void dragWithMouse(QWidget& from, QPoint start, QWidget& to, QPoint end);
