@@ -70,7 +70,6 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
 
     const render::BackendKind backend =
         options.backend.value_or(m_settings->backend().value_or(render::BackendKind::Cpu));
-    m_workspace = new Workspace(this);
     m_view = new ViewSettings(this);
     m_renderer = new ViewRenderer(backend, this);
     m_viewport =

@@ -116,8 +116,8 @@ private:
     bool confirmClose(Document& document, std::function<void()> afterSaving);
     QString screenshotName() const;
 
-    std::unique_ptr<WindowSettings> m_settings;
     Workspace* m_workspace = nullptr;
+    std::unique_ptr<WindowSettings> m_settings;
     ViewSettings* m_view = nullptr;
     ViewRenderer* m_renderer = nullptr;
     Viewport* m_viewport = nullptr;

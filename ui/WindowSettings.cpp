@@ -11,6 +11,7 @@
 #include <QStandardPaths>
 
 #include <algorithm>
+#include <memory>
 
 namespace punctum::ui
 {
@@ -32,61 +33,78 @@ const QString kBackground = QStringLiteral("view/background");
 const QString kRecent = QStringLiteral("files/recent");
 const QString kFolder = QStringLiteral("files/folder");
 
-}  // namespace
-
-WindowSettings::WindowSettings(const QString& file)
-    : m_settings(file.isEmpty() ? std::make_unique<QSettings>(QStringLiteral("Punctum"), QStringLiteral("Punctum"))
-                                : std::make_unique<QSettings>(file, QSettings::IniFormat))
+std::unique_ptr<QSettings> openSettings(const QString& file)
 {
+    return file.isEmpty() ? std::make_unique<QSettings>(QStringLiteral("Punctum"), QStringLiteral("Punctum"))
+                          : std::make_unique<QSettings>(file, QSettings::IniFormat);
 }
 
-WindowSettings::~WindowSettings() = default;
+}  // namespace
+
+WindowSettings::WindowSettings(const QString& file, RunInBackground inBackground)
+    : m_file(file), m_inBackground(std::move(inBackground))
+{
+    const auto settings = openSettings(file);
+    for (const QString& key : settings->allKeys()) m_values[key] = settings->value(key);
+}
+
+void WindowSettings::set(const QString& key, const QVariant& value)
+{
+    if (m_values.value(key) == value) return;
+    m_values[key] = value;
+    auto write = [file = m_file, key, value] { openSettings(file)->setValue(key, value); };
+    if (m_inBackground)
+        m_inBackground(write);
+    else
+        write();
+}
 
 void WindowSettings::restore(QMainWindow& window, ViewSettings& view) const
 {
     const QSize room = window.screen() ? window.screen()->availableSize() : QSize(1400, 900);
     window.resize(std::min(1480, room.width() * 9 / 10), std::min(920, room.height() * 9 / 10));
-    window.restoreGeometry(m_settings->value(kGeometry).toByteArray());
-    window.restoreState(m_settings->value(kLayout).toByteArray(), kLayoutVersion);
-    view.setPointSize(m_settings->value(kPointSize, 1.0).toDouble());
-    view.setSamples(m_settings->value(kSamples, 1).toInt());
-    view.setColorMap(m_settings->value(kColorMap, view.colorMap()).toString());
-    view.setBackground(ViewSettings::Background(std::clamp(m_settings->value(kBackground, 0).toInt(), 0, 2)));
+    window.restoreGeometry(m_values.value(kGeometry).toByteArray());
+    window.restoreState(m_values.value(kLayout).toByteArray(), kLayoutVersion);
+    view.setPointSize(m_values.value(kPointSize, 1.0).toDouble());
+    view.setSamples(m_values.value(kSamples, 1).toInt());
+    view.setColorMap(m_values.value(kColorMap, view.colorMap()).toString());
+    view.setBackground(ViewSettings::Background(std::clamp(m_values.value(kBackground, 0).toInt(), 0, 2)));
 }
 
 void WindowSettings::store(const QMainWindow& window, const ViewSettings& view)
 {
-    m_settings->setValue(kGeometry, window.saveGeometry());
-    m_settings->setValue(kLayout, window.saveState(kLayoutVersion));
-    m_settings->setValue(kPointSize, view.display().pointSize);
-    m_settings->setValue(kSamples, view.display().samples);
-    m_settings->setValue(kColorMap, view.colorMap());
-    m_settings->setValue(kBackground, int(view.background()));
+    const auto settings = openSettings(m_file);
+    settings->setValue(kGeometry, window.saveGeometry());
+    settings->setValue(kLayout, window.saveState(kLayoutVersion));
+    settings->setValue(kPointSize, view.display().pointSize);
+    settings->setValue(kSamples, view.display().samples);
+    settings->setValue(kColorMap, view.colorMap());
+    settings->setValue(kBackground, int(view.background()));
 }
 
 Appearance WindowSettings::appearance() const
 {
-    return appearanceFromName(m_settings->value(kAppearance).toString());
+    return appearanceFromName(m_values.value(kAppearance).toString());
 }
 
 void WindowSettings::setAppearance(Appearance appearance)
 {
-    m_settings->setValue(kAppearance, nameOf(appearance));
+    set(kAppearance, nameOf(appearance));
 }
 
 std::optional<render::BackendKind> WindowSettings::backend() const
 {
-    return render::backendFromName(m_settings->value(kBackend).toString().toStdString());
+    return render::backendFromName(m_values.value(kBackend).toString().toStdString());
 }
 
 void WindowSettings::setBackend(render::BackendKind kind)
 {
-    m_settings->setValue(kBackend, toQString(render::nameOf(kind)));
+    set(kBackend, toQString(render::nameOf(kind)));
 }
 
 QStringList WindowSettings::recentFiles() const
 {
-    return m_settings->value(kRecent).toStringList();
+    return m_values.value(kRecent).toStringList();
 }
 
 void WindowSettings::addRecentFile(const QString& path)
@@ -94,23 +112,23 @@ void WindowSettings::addRecentFile(const QString& path)
     QStringList recent = recentFiles();
     recent.removeAll(path);
     recent.prepend(path);
-    m_settings->setValue(kRecent, recent.mid(0, kRecentFiles));
+    set(kRecent, recent.mid(0, kRecentFiles));
     setFolder(QFileInfo(path).path());
 }
 
 void WindowSettings::clearRecentFiles()
 {
-    m_settings->remove(kRecent);
+    set(kRecent, QStringList());
 }
 
 QString WindowSettings::folder() const
 {
-    return m_settings->value(kFolder, QStandardPaths::writableLocation(QStandardPaths::HomeLocation)).toString();
+    return m_values.value(kFolder, QStandardPaths::writableLocation(QStandardPaths::HomeLocation)).toString();
 }
 
 void WindowSettings::setFolder(const QString& folder)
 {
-    m_settings->setValue(kFolder, folder);
+    set(kFolder, folder);
 }
 
 }  // namespace punctum::ui

@@ -6,12 +6,12 @@
 
 #include <QString>
 #include <QStringList>
+#include <QVariantMap>
 
-#include <memory>
+#include <functional>
 #include <optional>
 
 class QMainWindow;
-class QSettings;
 
 namespace punctum::ui
 {
@@ -44,7 +44,11 @@ public:
     void setFolder(const QString& folder);
 
 private:
-    std::unique_ptr<QSettings> m_settings;
+    void set(const QString& key, const QVariant& value);
+
+    QString m_file;
+    RunInBackground m_inBackground;
+    QVariantMap m_values;
 };
 
 }  // namespace punctum::ui
