@@ -10,6 +10,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace punctum
 {
@@ -49,8 +50,15 @@ template <typename T>
 bool isNoData(const Attribute& a, T raw)
 {
     if (!a.noData) return false;
-    return std::visit([raw](auto v) { return std::isfinite(double(v)) ? T(v) == raw : double(raw) != double(raw); },
-                      *a.noData);
+    return std::visit(
+        [raw](auto v) {
+            // A no-data value of NaN means all NaN; integers are compared as such, so that 64 bits stay exact.
+            if constexpr (std::is_integral_v<T> && std::is_integral_v<decltype(v)>)
+                return std::cmp_equal(raw, v);
+            else
+                return double(raw) == double(v) || (std::isnan(double(v)) && std::isnan(double(raw)));
+        },
+        *a.noData);
 }
 
 template <typename T>
@@ -188,11 +196,12 @@ AttributeStatistics computeStatistics(const Attribute& attribute, std::uint32_t 
             });
         progress.check();
         AttributeStatistics s;
+        if (all.count == 0) return s;
         s.count = all.count;
         s.min = valueOf(attribute, all.min);
         s.max = valueOf(attribute, all.max);
-        if (all.count != 0) s.mean = double(all.sum / static_cast<long double>(all.count));
-        if (attribute.scaled && all.count != 0) s.mean = s.mean * attribute.scale + attribute.offset;
+        s.mean = double(all.sum / static_cast<long double>(all.count));
+        if (attribute.scaled) s.mean = s.mean * attribute.scale + attribute.offset;
         if (attribute.scaled && attribute.scale < 0) std::swap(s.min, s.max);
         return s;
     });

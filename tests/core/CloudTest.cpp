@@ -269,7 +269,6 @@ void CloudTest::statisticsOfNothing()
     const auto z = statistics(*makeFrame(0, {glm::dvec3(0.01), glm::dvec3(500.0)})->findAttribute("Z"));
     QCOMPARE(z.count, std::uint64_t(0));
     QCOMPARE(z.mean, 0.0);
-    QEXPECT_FAIL("", "the offset is given instead of 0 where no point has a value", Continue);
     QCOMPARE(toDouble(z.min), 0.0);
 }
 

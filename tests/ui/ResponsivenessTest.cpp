@@ -26,7 +26,8 @@ namespace
 {
 
 constexpr double kWorkMs = 50.0;
-constexpr double kWallMs = 150.0;
+/// What a machine that others use too never takes from a thread that only waits; a frozen window does.
+constexpr double kWallMs = 1000.0;
 /// Enough to take seconds; PUNCTUM_TEST_POINTS asks for another size.
 constexpr int kPoints = 5'000'000;
 
@@ -170,7 +171,7 @@ private slots:
             m_test->window->workspace().jobs().cancelAll();
             QVERIFY(waitFor([&] { return !dock.running(); }));
             qInfo("cancel answered after %lld ms", clock.elapsed());
-            QVERIFY(clock.elapsed() < 1000);
+            QVERIFY(clock.elapsed() < 5000);
         }
         QVERIFY(fps > 4.0);
         judge(watch);
