@@ -61,7 +61,12 @@ MainWindow::Unsaved askInBox(QWidget* parent, const QString& name)
 }  // namespace
 
 MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
-    : QMainWindow(parent), m_settings(std::make_unique<WindowSettings>(options.settingsFile))
+    : QMainWindow(parent),
+      m_workspace(new Workspace(this)),
+      m_settings(std::make_unique<WindowSettings>(options.settingsFile, [this](std::function<void()> write) {
+          m_workspace->startJob(
+              tr("Settings"), [write = std::move(write)](Progress&) { write(); }, {}, true);
+      }))
 {
     setWindowIcon(programIcon());
     setDockOptions(AnimatedDocks | AllowTabbedDocks | AllowNestedDocks);

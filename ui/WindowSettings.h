@@ -19,13 +19,15 @@ namespace punctum::ui
 class ViewSettings;
 
 /// What is remembered from one start to the next: the window's place, recent files, how points are shown.
-/// GUI thread only.
+/// GUI thread only. Read from the disk once, when made; what changes later is written by `inBackground`, because a
+/// busy disk would keep the window waiting. Without it, and for store(), it is written at once.
 class WindowSettings
 {
 public:
+    using RunInBackground = std::function<void(std::function<void()>)>;
+
     /// `file`: an .ini file; empty: the user's own settings.
-    explicit WindowSettings(const QString& file);
-    ~WindowSettings();
+    explicit WindowSettings(const QString& file, RunInBackground inBackground = {});
 
     void restore(QMainWindow& window, ViewSettings& view) const;
     void store(const QMainWindow& window, const ViewSettings& view);

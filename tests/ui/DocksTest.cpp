@@ -119,6 +119,26 @@ private slots:
         QCOMPARE(jobs.rowCount(), 0);
     }
 
+    void settingsAreKept()
+    {
+        const QTemporaryDir folder;
+        WindowOptions options;
+        options.settingsFile = folder.filePath(QStringLiteral("kept.ini"));
+        {
+            MainWindow window(options);
+            window.show();
+            window.viewSettings().setPointSize(3.5);
+            window.viewSettings().setSamples(4);
+            window.viewSettings().setColorMap(QStringLiteral("turbo"));
+            QVERIFY(window.close());
+        }
+        MainWindow again(options);
+        const render::DisplaySettings& display = again.viewSettings().display();
+        QCOMPARE(display.pointSize, 3.5);
+        QCOMPARE(display.samples, 4);
+        QCOMPARE(display.colorMap, std::string("turbo"));
+    }
+
     void windowClosedWhileJobsRun()
     {
         // Owner destroyed in mid-job: no result may arrive, no thread may stay.
