@@ -96,6 +96,9 @@ void MainMenu::makeView()
 
     fit = add(menu, tr("&Fit All"), QStringLiteral("fit"), {QKeySequence(Qt::Key_F)},
               tr("Show everything that is open"), [&viewport] { viewport.fit(); });
+    QAction* fitActive = add(menu, tr("Fit Acti&ve File"), {}, {QKeySequence(Qt::SHIFT | Qt::Key_F)},
+                             tr("Show all of the active file"), [this] { m_window.fitActive(); });
+    m_needDocument.push_back(fitActive);
     QMenu* standard = menu->addMenu(tr("&Standard Views"));
     m_views = new QActionGroup(this);
     const struct {

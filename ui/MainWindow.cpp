@@ -31,6 +31,9 @@
 #include <QMessageBox>
 #include <QStatusBar>
 
+#include <glm/geometric.hpp>
+
+#include <algorithm>
 #include <cmath>
 
 namespace punctum::ui
@@ -38,6 +41,8 @@ namespace punctum::ui
 
 namespace
 {
+
+constexpr double kNeighbours = 20.0;  // times the largest file's extent
 
 MainWindow::Unsaved askInBox(QWidget* parent, const QString& name)
 {
@@ -204,11 +209,30 @@ void MainWindow::updateSceneBounds()
     m_viewport->setSceneBounds(all);
 }
 
+void MainWindow::fitFor(const Document& document)
+{
+    // Neighbours are shown together; of surveys far apart the new one, because both would be specks.
+    WorldBounds all = document.bounds();
+    double largest = 0.0;
+    for (const Document* other : m_workspace->documents()) {
+        all.include(other->bounds());
+        if (!other->bounds().empty())
+            largest = std::max(largest, glm::length(other->bounds().max - other->bounds().min));
+    }
+    const bool together = all.empty() || glm::length(all.max - all.min) <= kNeighbours * largest;
+    m_viewport->fitTo(together ? all : document.bounds(), false);
+}
+
+void MainWindow::fitActive()
+{
+    if (const Document* active = m_workspace->active()) m_viewport->fitTo(active->bounds());
+}
+
 void MainWindow::documentAdded(Document* document)
 {
     m_camerasBefore[document] = {m_viewport->camera(), m_viewport->userMoves()};
     updateSceneBounds();
-    m_viewport->fit(false);
+    fitFor(*document);
     m_renderer->addCloud(document->data()->store);
     updateTitle();
 }
@@ -217,7 +241,7 @@ void MainWindow::documentLoaded(Document* document)
 {
     updateSceneBounds();
     // The header's box was only a first idea; but a view that the user has turned is the user's.
-    if (m_camerasBefore[document].second == m_viewport->userMoves()) m_viewport->fit(false);
+    if (m_camerasBefore[document].second == m_viewport->userMoves()) fitFor(*document);
     m_camerasBefore.erase(document);
     m_renderer->loadingEnded(document->cloud(), document->rawBounds());
     rememberFile(document->path());

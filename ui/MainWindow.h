@@ -89,6 +89,7 @@ public slots:
     void saveTo(Document& document, const QString& path);
     /// Shows the next (1) or previous (-1) attribute of the active document.
     void stepAttribute(int direction);
+    void fitActive();
     void undo();
     void redo();
     void setTransparentScreenshots(bool on) { m_transparentScreenshots = on; }
@@ -104,6 +105,7 @@ private:
     void addDocks();
     void updateTitle();
     void updateSceneBounds();
+    void fitFor(const Document& document);
     void documentAdded(Document* document);
     void documentLoaded(Document* document);
     void documentRemoved(Document* document, bool openingFailed);

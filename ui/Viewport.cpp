@@ -126,12 +126,13 @@ void Viewport::userCamera(const render::Camera& camera)
     applyCamera(camera);
 }
 
-void Viewport::fit(bool animated)
+void Viewport::fitTo(const WorldBounds& bounds, bool animated)
 {
-    if (m_bounds.empty()) return;
+    if (bounds.empty()) return;
+    m_fitBounds = bounds;
     const QSize size = pictureSize();
     render::Camera camera = m_camera;
-    camera.fit(m_bounds, {size.width(), size.height()});
+    camera.fit(bounds, {size.width(), size.height()});
     setCamera(camera, animated);
     m_fitted = true;
 }
@@ -141,7 +142,8 @@ void Viewport::setStandardView(const QString& name)
     render::Camera camera = m_camera;
     if (!camera.setView(name.toStdString())) return;
     const QSize size = pictureSize();
-    camera.fit(m_bounds, {size.width(), size.height()});
+    if (m_fitBounds.empty()) m_fitBounds = m_bounds;
+    camera.fit(m_fitBounds, {size.width(), size.height()});
     ++m_userMoves;
     setCamera(camera, true);
     m_fitted = true;
@@ -316,7 +318,7 @@ void Viewport::sendSize()
     m_renderer.setSize(size.width(), size.height());
     if (ratioChanged) sendDisplay();
     if (m_fitted)
-        fit(false);
+        fitTo(WorldBounds(m_fitBounds), false);
     else
         applyCamera(m_camera);
 }

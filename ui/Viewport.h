@@ -47,7 +47,9 @@ public:
     /// The box of all that is open; what fit() and the first view go by.
     void setSceneBounds(const WorldBounds& bounds) { m_bounds = bounds; }
     /// Shows all of it, and goes on doing so when the size changes, until the user moves the camera.
-    void fit(bool animated = true);
+    void fit(bool animated = true) { fitTo(m_bounds, animated); }
+    /// The same with a part of it.
+    void fitTo(const WorldBounds& bounds, bool animated = true);
     /// "top", "front", ... keeping the pivot, then fitted.
     void setStandardView(const QString& name);
 
@@ -116,6 +118,7 @@ private:
     render::Camera m_camera, m_flightStart, m_flightEnd;
     Navigation m_navigation;
     WorldBounds m_bounds;
+    WorldBounds m_fitBounds;  ///< what was fitted last
     std::uint64_t m_userMoves = 0;
     bool m_fitted = false;
     double m_pixelRatio = 1.0;

@@ -27,6 +27,7 @@
 #include <QWindow>
 
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -192,6 +193,31 @@ private slots:
         QTest::qWait(350);
         QTest::keyClick(&view, Qt::Key_F);
         QVERIFY(waitFor([&] { return glm::length(view.camera().eye - fitted.eye) < 1e-6; }));
+    }
+
+    void fileFarAwayIsShownAlone()
+    {
+        const QString far = QStringLiteral("megaplot.las");
+        NEED_DATA(kAutzen);
+        NEED_DATA(far);
+        TestWindow test;
+        Document* first = test.open(dataFile(kAutzen));
+        QVERIFY(first);
+        Document* second = test.open(dataFile(far));
+        QVERIFY(second && second != first);
+        QCOMPARE(test.window->workspace().documents().size(), std::size_t(2));
+        const auto holds = [&](const Document& document) {
+            const glm::dvec3& pivot = test.window->viewport().camera().pivot;
+            const WorldBounds& b = document.bounds();
+            return glm::all(glm::lessThanEqual(b.min, pivot)) && glm::all(glm::lessThanEqual(pivot, b.max));
+        };
+        QVERIFY(holds(*second));
+        test.window->workspace().setActive(first);
+        test.window->fitActive();
+        QVERIFY(waitFor([&] { return holds(*first); }, 5000));
+        test.window->workspace().close(*second);
+        QCOMPARE(test.window->workspace().documents().size(), std::size_t(1));
+        QVERIFY(test.settle());
     }
 
     void readsOutThePointUnderTheCursor()
