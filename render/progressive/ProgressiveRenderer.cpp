@@ -339,6 +339,16 @@ bool ProgressiveRenderer::converged() const noexcept
     return ready();
 }
 
+void ProgressiveRenderer::judgeColors()
+{
+    for (const auto& entry : m_entries) {
+        PointStore& store = *entry->store;
+        if (!store.encoder() || !store.colorsMisjudged()) continue;
+        const std::shared_lock lock(store.cloud().mutex());
+        store.show(Attribute(store.encoder()->attribute()));
+    }
+}
+
 FrameReport ProgressiveRenderer::renderFrame(double budget)
 {
     const double started = now();
@@ -348,11 +358,8 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
         // While loading the range follows the data, each time half as much again has come.
         if (entry->loading && store.filled() > entry->filledAtRange + entry->filledAtRange / 2)
             m_rangeNeeded = true;
-        if (store.encoder() && store.colorsMisjudged()) {
-            const std::shared_lock lock(store.cloud().mutex());
-            store.show(Attribute(store.encoder()->attribute()));
-        }
     }
+    judgeColors();
     if (ready() && !m_rangeNeeded) {
         report.converged = true;
         report.share = 1.0;
@@ -395,6 +402,7 @@ FrameReport ProgressiveRenderer::renderBruteForce()
 {
     const double started = now();
     FrameReport report;
+    judgeColors();
     updateScene();
     if (m_backend->target() == m_size)
         m_backend->clear();

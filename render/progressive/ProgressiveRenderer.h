@@ -96,6 +96,7 @@ private:
     Entry* find(const PointCloud& cloud) noexcept;
     bool ready() const noexcept;
     void applyDisplay(Entry& entry);
+    void judgeColors();
     void updateScene();
     void updateRange();
     void beginPass() noexcept;
