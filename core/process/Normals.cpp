@@ -10,6 +10,7 @@
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <mutex>
@@ -23,7 +24,9 @@ constexpr std::array<const char*, 3> kNames = {"NormalX", "NormalY", "NormalZ"};
 /// The plane's normal, turned upward; zero when there is no plane.
 std::array<float, 3> normalOf(const Neighborhood& n)
 {
-    if (n.offsets.size() < 3) return {0, 0, 0};
+    // PCL's versions differ in what they make of points that are all in one place.
+    const auto samePlace = [&](const auto& offset) { return offset == n.offsets[0]; };
+    if (n.offsets.size() < 3 || std::all_of(n.offsets.begin(), n.offsets.end(), samePlace)) return {0, 0, 0};
     thread_local pcl::PointCloud<pcl::PointXYZ> patch;  // keeps its memory from point to point
     patch.resize(n.offsets.size());
     for (std::size_t k = 0; k < n.offsets.size(); ++k)

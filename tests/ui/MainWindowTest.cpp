@@ -196,6 +196,8 @@ private slots:
         QTest::mouseDClick(&view, Qt::LeftButton, {}, middle);
         QVERIFY(waitFor([&] { return glm::length(view.camera().pivot - picked->world) < 1e-6; }));
         QTest::qWait(350);
+        test.window->activateWindow();  // shortcuts want it, and there may be no window manager to see to it
+        QVERIFY(QTest::qWaitForWindowActive(test.window.get()));
         QTest::keyClick(&view, Qt::Key_F);
         QVERIFY(waitFor([&] { return glm::length(view.camera().eye - fitted.eye) < 1e-6; }));
     }
