@@ -38,7 +38,6 @@ void addBackendOption(CLI::App& command, std::string& backend)
 void drawAll(render::ProgressiveRenderer& renderer, bool bruteForce, Progress& progress)
 {
     if (bruteForce) {
-        renderer.renderFrame(0.0);  // judges by all points whether colors have 8 or 16 bits
         renderer.renderBruteForce();
         return;
     }
