@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/las/File.h"
+#include "core/las/StackGuard.h"
 
 #include <laszip/laszip_api.h>
 
@@ -442,6 +443,37 @@ std::string checkLayeredChunk(std::span<const std::byte> chunk, const LazInfo& i
     return {};
 }
 
+namespace
+{
+
+constexpr std::size_t kCoderBytes = 4;  ///< that a range coder takes first
+constexpr const char* kNoCoder = "its compressed bytes begin as none can";
+
+/// A range coder's first four bytes are below the full range in what an encoder writes. LASzip does not look, and
+/// at 0xFFFFFFFF reads and writes outside its tables.
+bool coderBegins(std::span<const std::byte> bytes)
+{
+    return bytes.size() < kCoderBytes || load<std::uint32_t>(bytes.data()) != UINT32_MAX;
+}
+
+/// Whether all coders of a chunk (layered: one a layer, its head is sound) or stream begin as they can.
+bool codersBegin(std::span<const std::byte> data, const LazInfo& info)
+{
+    std::size_t at = info.recordLength;
+    if (data.size() < at) return true;
+    if (info.compressor != LazInfo::Layered) return coderBegins(data.subspan(at));
+    const std::size_t sizes = at + 4, layers = info.layers();
+    at = sizes + 4 * layers;
+    for (std::size_t k = 0; k < layers && at <= data.size(); ++k) {
+        const auto size = load<std::uint32_t>(data.data() + sizes + 4 * k);
+        if (size >= kCoderBytes && !coderBegins(data.subspan(at))) return false;
+        at += size;
+    }
+    return true;
+}
+
+}  // namespace
+
 struct PointDecoder::Impl {
     SourceBuffer buffer;
     std::istream stream;
@@ -479,14 +511,16 @@ PointDecoder::PointDecoder(const LazInfo& info, std::span<const std::byte> data,
     : m_impl(
           std::make_unique<Impl>(info, std::uint32_t(std::min<std::uint64_t>(count, UINT32_MAX - 1)), count, data))
 {
-    m_error = m_impl->start();
+    m_error = codersBegin(data, info) ? m_impl->start() : kNoCoder;
 }
 
 PointDecoder::PointDecoder(const LazInfo& info, const File& file, std::uint64_t offset, std::uint64_t bytes,
                            std::uint64_t count)
     : m_impl(std::make_unique<Impl>(info, info.chunkSize, count, file, offset, bytes))
 {
-    m_error = m_impl->start();
+    std::vector<std::byte> head(std::size_t(std::min<std::uint64_t>(bytes, info.recordLength + kCoderBytes)));
+    file.readAt(offset, head);
+    m_error = codersBegin(head, info) ? m_impl->start() : kNoCoder;
 }
 
 PointDecoder::~PointDecoder() = default;
@@ -496,14 +530,17 @@ std::size_t PointDecoder::decode(std::size_t count, std::byte* records)
     if (!m_error.empty()) return 0;
     const laszip_POINTER handle = m_impl->handle.get();
     const Parts& parts = m_impl->parts;
-    for (std::size_t k = 0; k < count; ++k) {
-        if (laszip_read_point(handle) != 0) {
-            m_error = m_impl->handle.error();
-            return k;
-        }
-        parts.toRecord(*m_impl->point, records + k * parts.length);
+    std::size_t done = 0;
+    const bool fitted = withStackGuard([&] {
+        for (; done < count && laszip_read_point(handle) == 0; ++done)
+            parts.toRecord(*m_impl->point, records + done * parts.length);
+    });
+    if (!fitted) {
+        m_error = "its GPS times never end";
+        return 0;
     }
-    return count;
+    if (done < count) m_error = m_impl->handle.error();
+    return done;
 }
 
 std::uint64_t PointDecoder::position()

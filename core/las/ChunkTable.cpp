@@ -17,6 +17,7 @@ namespace
 constexpr std::size_t kTableHead = 8;  ///< version, number of chunks
 constexpr std::size_t kPointerBytes = 8;
 constexpr std::uint64_t kMostPoints = std::uint64_t(1) << 31;  ///< in one chunk
+constexpr std::uint64_t kMostPointsAByte = 4096;
 constexpr std::size_t kDecodeStep = 1024;
 
 template <typename T>
@@ -68,6 +69,9 @@ private:
 
     /// No point of these formats takes less than an eighth of a byte, unless nearly all are equal.
     static bool plausible(std::uint64_t count, std::uint64_t bytes) { return count <= bytes * 8; }
+    /// Not even equal points take less: each costs a symbol of a model of 64 symbols or more (or three of 33), none
+    /// of which can become rarer than 1 in 2^15.
+    static bool possible(std::uint64_t count, std::uint64_t bytes) { return count <= bytes * kMostPointsAByte; }
 
     void pointwise()
     {
@@ -104,8 +108,11 @@ private:
 
         std::uint64_t at = chunksBegin, first = 0;
         for (const ChunkEntry& e : *entries) {
-            const std::uint64_t count = m_info.variable() ? e.count : m_info.chunkSize;
-            if (e.bytes < m_info.recordLength || e.bytes > tableAt - at || count == 0 || count > kMostPoints)
+            // A chunk size that cannot be is looked at below; here it only must not overflow.
+            const std::uint64_t count =
+                m_info.variable() ? e.count : std::min<std::uint64_t>(m_info.chunkSize, kMostPoints);
+            if (e.bytes < m_info.recordLength || e.bytes > tableAt - at || count == 0 || count > kMostPoints ||
+                (m_info.variable() && !possible(count, e.bytes)))
                 return false;
             m_list.chunks.push_back({at, e.bytes, first, count});
             at += e.bytes;
@@ -141,7 +148,7 @@ private:
         if (m_info.compressor == LazInfo::Layered) {
             const std::uint32_t count = statedIn(last);
             if (count == 0) return keepStated(last);
-            if (count > m_info.chunkSize) return false;
+            if (count > m_info.chunkSize || !possible(count, last.bytes)) return false;
             last.count = count;
             if (std::find(m_counts.begin(), m_counts.end(), before + count) != m_counts.end()) return true;
             // The header's count is wrong, or the chunk size: the first chunk tells.
@@ -150,7 +157,7 @@ private:
             return true;
         }
         for (const std::uint64_t n : m_counts) {
-            if (n <= before || n - before > m_info.chunkSize) continue;
+            if (n <= before || n - before > m_info.chunkSize || !possible(n - before, last.bytes)) continue;
             last.count = n - before;
             const bool few = chunks.size() == 1;
             if (!few && similarDensity(chunks)) return true;
@@ -173,7 +180,7 @@ private:
     bool keepStated(Chunk& last)
     {
         for (const std::uint64_t n : m_counts)
-            if (n > last.first && n - last.first <= m_info.chunkSize) {
+            if (n > last.first && n - last.first <= m_info.chunkSize && possible(n - last.first, last.bytes)) {
                 last.count = n - last.first;
                 return true;
             }
@@ -286,7 +293,9 @@ private:
             m_file.readAt(at, head);
             std::uint32_t count = 0;
             std::uint64_t bytes = 0;
-            if (!layeredChunkSize(head, m_info, count, bytes) || bytes > end - at || count > kMostPoints) break;
+            if (!layeredChunkSize(head, m_info, count, bytes) || bytes > end - at || count > kMostPoints ||
+                !possible(count, bytes))
+                break;
             // Without the table's position as the goal, the other figures must do to tell chunks from other bytes.
             if (untilAllFound && !m_info.variable() && count > m_info.chunkSize) break;
             if (untilAllFound && count > stated() - points) break;
@@ -305,11 +314,11 @@ private:
                         "The table of compressed chunks is damaged and cannot be rebuilt, because the "
                         "chunks differ in size.");
         const std::uint64_t chunksBegin = m_begin + kPointerBytes;
-        PointDecoder decoder(m_info, m_file, chunksBegin, m_end - chunksBegin, stated());
         std::vector<std::byte> records(kDecodeStep * m_info.recordLength);
-        std::uint64_t at = 0, points = 0;
-        while (points < stated() && at < m_end - chunksBegin) {
+        std::uint64_t at = chunksBegin, points = 0;
+        while (points < stated() && at < m_end) {
             const std::uint64_t want = std::min<std::uint64_t>(m_info.chunkSize, stated() - points);
+            PointDecoder decoder(m_info, m_file, at, m_end - at, want);
             std::uint64_t n = 0;
             while (n < want) {
                 const std::size_t step = std::size_t(std::min<std::uint64_t>(kDecodeStep, want - n));
@@ -317,10 +326,10 @@ private:
                 n += got;
                 if (got < step) break;
             }
-            const std::uint64_t reached = std::min(decoder.position(), m_end - chunksBegin);
-            if (n != 0) m_list.chunks.push_back({chunksBegin + at, reached - at, points, n, n < want});
+            const std::uint64_t bytes = std::min(decoder.position(), m_end - at);
+            if (n != 0) m_list.chunks.push_back({at, bytes, points, n, n < want});
             points += n;
-            at = reached;
+            at += bytes;
             if (n < want) break;
         }
         m_list.end = m_end;

@@ -19,7 +19,7 @@ namespace
 {
 
 constexpr PointIndex kGrain = 1 << 16;
-constexpr std::uint16_t kWktBit = 16;
+constexpr std::uint16_t kWktBit = 16, kWaveformBit = 2;
 constexpr std::size_t kMostDescriptors = UINT16_MAX / ExtraBytesDescriptor::kSize;
 constexpr double kScanAngleStep = 0.006;
 
@@ -647,6 +647,17 @@ private:
         m_header.set(at::kCreationYear, std::uint16_t(int(year)));
     }
 
+    /// LAS 1.3 has nothing but the header's position for its one extended record: where that is not there, a
+    /// position kept would make the new file a damaged one as well.
+    void forgetLostWaveforms()
+    {
+        if (m_minor != 3 || !m_source->recovered || m_plan.waveformEvlr ||
+            m_header.get<std::uint64_t>(at::kWaveformStart) == 0 || (m_header.globalEncoding() & kWaveformBit) == 0)
+            return;
+        m_header.set(at::kWaveformStart, std::uint64_t(0));
+        note("The waveforms, which could not be read, are left out.");
+    }
+
     void setHeader()
     {
         const std::size_t vlrsBefore = m_source->vlrs.size();
@@ -664,6 +675,7 @@ private:
         m_header.set(at::kPointFormat, formatByte);
         m_header.set(at::kRecordLength, m_layout.length);
 
+        forgetLostWaveforms();
         std::uint64_t offset = m_header.bytes.size();
         for (const Vlr& vlr : m_vlrs) offset += vlr.bytesInFile();
         offset += m_source->gapBeforePoints.size();
