@@ -30,6 +30,7 @@ void describe(CLI::App& root, Action& action)
     root.formatter(std::make_shared<HelpFormatter>());  // taken over by the commands
     addInfo(root, action);
     addConvert(root, action);
+    addDiff(root, action);
     addRender(root, action);
     addProcess(root, action);
     addSample(root, action);
@@ -71,7 +72,7 @@ int run(const Action& action, const std::string& command)
         complain(withFullStop(error.what()) + " See " + command + " --help.");
         return kUsage;
     } catch (const Reported&) {
-        // stderr has the sentence already
+        // the user has been told already
     } catch (const Cancelled&) {
         complain("Cancelled; nothing was written.");
     } catch (const Error& error) {

@@ -88,11 +88,4 @@ void note(std::string_view sentence)
     std::fprintf(stderr, "Note: %.*s\n", int(sentence.size()), sentence.data());
 }
 
-std::string grouped(std::uint64_t number)
-{
-    std::string text = std::to_string(number);
-    for (std::size_t at = text.size(); at > 3; at -= 3) text.insert(at - 3, 1, ',');
-    return text;
-}
-
 }  // namespace punctum::app

@@ -51,7 +51,4 @@ void complain(std::string_view sentence);
 /// "Note: SENTENCE" to stderr.
 void note(std::string_view sentence);
 
-/// 1234567 as "1,234,567".
-std::string grouped(std::uint64_t number);
-
 }  // namespace punctum::app

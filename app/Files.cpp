@@ -3,6 +3,7 @@
 
 #include "app/commands/Command.h"
 #include "core/Error.h"
+#include "core/Text.h"
 #include "core/las/Reader.h"
 #include "core/las/SourceFile.h"
 #include "core/task/Progress.h"

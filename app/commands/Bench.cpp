@@ -3,6 +3,7 @@
 #include "app/commands/Bench.h"
 
 #include "core/Error.h"
+#include "core/Text.h"
 #include "core/task/Progress.h"
 
 #include <algorithm>

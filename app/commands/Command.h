@@ -25,13 +25,14 @@ class UsageError : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-/// The work failed, and stderr says why already: exit 1.
+/// The work failed and stderr says why already, or the answer was no and is told: exit 1.
 struct Reported {
 };
 
 // Each adds one subcommand with its options to `root`, and sets `action` when it is the one chosen.
 void addInfo(CLI::App& root, Action& action);
 void addConvert(CLI::App& root, Action& action);
+void addDiff(CLI::App& root, Action& action);
 void addRender(CLI::App& root, Action& action);
 void addProcess(CLI::App& root, Action& action);
 void addSample(CLI::App& root, Action& action);

@@ -4,6 +4,7 @@
 #include "app/Files.h"
 #include "app/commands/Command.h"
 #include "core/Error.h"
+#include "core/Text.h"
 #include "core/las/Writer.h"
 #include "core/process/Step.h"
 #include "core/task/Progress.h"

@@ -7,6 +7,7 @@
 #include "app/Renderer.h"
 #include "app/commands/Command.h"
 #include "core/Error.h"
+#include "core/Text.h"
 #include "core/task/Progress.h"
 #include "render/color/ColorMap.h"
 
@@ -169,7 +170,8 @@ void addRender(CLI::App& root, Action& action)
         ->type_name("NAME");
     command
         .add_option("--color-map", options->colorMap,
-                    "Colors of a quantity: " + CLI::detail::join(maps, ", ") + "; default: grey for Intensity, else viridis")
+                    "Colors of a quantity: " + CLI::detail::join(maps, ", ") +
+                        "; default: grey for Intensity, else viridis")
         ->type_name("NAME")
         ->check([maps](const std::string& name) {
             return std::find(maps.begin(), maps.end(), name) != maps.end()

@@ -687,6 +687,7 @@ private:
         prefix = m_header.bytes;
         for (const Vlr& vlr : m_vlrs) putVlr(prefix, vlr);
         prefix.insert(prefix.end(), m_source->gapBeforePoints.begin(), m_source->gapBeforePoints.end());
+        m_plan.vlrs = std::move(m_vlrs);
         m_plan.maker = std::make_unique<RecordMaker>(std::move(m_layout), std::move(m_columns), m_conversion,
                                                      std::move(m_packed), std::move(m_kept));
     }

@@ -33,6 +33,8 @@ public:
 
     const RecordLayout& layout() const noexcept { return m_layout; }
     PointIndex points() const noexcept { return m_points; }
+    /// The points of the cloud that are written, in order.
+    const std::vector<PointRange>& kept() const noexcept { return m_kept; }
     /// Writes the records of `range` (of the written points) to `records`. May be called from several threads.
     void make(PointRange range, std::byte* records) const;
 
@@ -56,6 +58,7 @@ struct WritePlan {
     bool compressed = false;
     LazInfo laz;                    ///< when compressed
     std::vector<std::byte> prefix;  ///< header, VLRs, gap: the file up to the points
+    std::vector<Vlr> vlrs;          ///< those in `prefix`
     std::vector<std::byte> gapAfterPoints;
     std::vector<Vlr> evlrs;
     std::vector<std::byte> tail;

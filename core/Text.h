@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace punctum
+{
+
+/// 1234567 as "1,234,567": how people are told numbers, in reports and messages.
+std::string grouped(std::uint64_t number);
+
+/// "1 point", "1,204 points".
+std::string pointsText(std::uint64_t count);
+
+}  // namespace punctum

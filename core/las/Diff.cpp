@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: MIT
+#include "core/las/Diff.h"
+
+#include "core/Error.h"
+#include "core/cloud/Buffer.h"
+#include "core/las/File.h"
+#include "core/las/Reader.h"
+#include "core/las/RecordComparer.h"
+#include "core/las/SourceDiff.h"
+#include "core/las/WritePlan.h"
+#include "core/task/Progress.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <shared_mutex>
+
+namespace punctum::las
+{
+
+namespace
+{
+
+constexpr std::size_t kPieceBytes = std::size_t(1) << 18;  ///< of records fetched at once; stays in the cache
+constexpr std::size_t kBlockBytes = std::size_t(1) << 20;  ///< of files compared byte by byte
+
+/// Records that can be had in any order, from several threads.
+class Records
+{
+public:
+    virtual ~Records() = default;
+    virtual PointIndex points() const = 0;
+    /// Records of the points of `range`: in `scratch`, or where they are kept.
+    virtual const std::byte* get(PointRange range, std::vector<std::byte>& scratch) const = 0;
+    /// Points that have no record.
+    virtual const std::vector<PointRange>& missing() const = 0;
+};
+
+/// Of a LAS file.
+class PlainRecords final : public Records
+{
+public:
+    explicit PlainRecords(const SourceFile& source)
+        : m_file(source.path),
+          m_offset(source.header.pointOffset()),
+          m_length(source.layout.length),
+          m_points(source.pointCount)
+    {
+    }
+    PointIndex points() const override { return m_points; }
+    const std::byte* get(PointRange range, std::vector<std::byte>& scratch) const override
+    {
+        scratch.resize(std::size_t(range.size() * m_length));
+        m_file.readAt(m_offset + range.first * m_length, scratch);
+        return scratch.data();
+    }
+    const std::vector<PointRange>& missing() const override { return m_none; }
+
+private:
+    File m_file;
+    std::uint64_t m_offset, m_length;
+    PointIndex m_points;
+    std::vector<PointRange> m_none;
+};
+
+/// Of a LAZ file, decoded into memory.
+class DecodedRecords final : public Records
+{
+public:
+    DecodedRecords(const Reader& reader, Progress& progress, std::vector<std::string>& warnings)
+        : m_length(reader.source()->layout.length),
+          m_points(reader.source()->pointCount),
+          m_records(std::size_t(m_points * m_length))
+    {
+        progress.begin("Reading " + reader.source()->path.filename().string(), m_points);
+        ReadResult result =
+            reader.visitRecords(progress, [&](PointRange range, std::span<const std::byte> records) {
+                std::memcpy(m_records.data() + range.first * m_length, records.data(), records.size());
+            });
+        m_missing = std::move(result.missing);
+        warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
+    }
+    PointIndex points() const override { return m_points; }
+    const std::byte* get(PointRange range, std::vector<std::byte>&) const override
+    {
+        return m_records.data() + range.first * m_length;
+    }
+    const std::vector<PointRange>& missing() const override { return m_missing; }
+
+private:
+    std::uint64_t m_length;
+    PointIndex m_points;
+    Buffer m_records;
+    std::vector<PointRange> m_missing;
+};
+
+/// That would be written.
+class PlannedRecords final : public Records
+{
+public:
+    /// `left out`: points of the cloud, and of the original, that are not written.
+    PlannedRecords(const RecordMaker& maker, PointIndex all) : m_maker(maker), m_all(all)
+    {
+        PointIndex next = 0, written = 0;
+        for (const PointRange& kept : maker.kept()) {
+            if (kept.first > next) m_leftOut.push_back({next, kept.first});
+            m_kept.push_back({kept, written});
+            written += kept.size();
+            next = kept.last;
+        }
+        if (next < all) m_leftOut.push_back({next, all});
+    }
+    PointIndex points() const override { return m_all; }
+    const std::byte* get(PointRange range, std::vector<std::byte>& scratch) const override
+    {
+        scratch.resize(std::size_t(range.size() * m_maker.layout().length));
+        const auto after = std::upper_bound(m_kept.begin(), m_kept.end(), range.first,
+                                            [](PointIndex i, const auto& k) { return i < k.first.first; });
+        const auto& [kept, written] = *std::prev(after);
+        const PointIndex first = range.first - kept.first + written;
+        m_maker.make({first, first + range.size()}, scratch.data());
+        return scratch.data();
+    }
+    const std::vector<PointRange>& missing() const override { return m_leftOut; }
+
+private:
+    const RecordMaker& m_maker;
+    PointIndex m_all;
+    std::vector<std::pair<PointRange, PointIndex>> m_kept;  ///< and points written before
+    std::vector<PointRange> m_leftOut;
+};
+
+PointIndex total(const std::vector<PointRange>& ranges)
+{
+    PointIndex n = 0;
+    for (const PointRange& r : ranges) n += r.size();
+    return n;
+}
+
+/// Both lists as one, in order, without overlap.
+std::vector<PointRange> merged(std::vector<PointRange> a, const std::vector<PointRange>& b)
+{
+    a.insert(a.end(), b.begin(), b.end());
+    std::sort(a.begin(), a.end(), [](const PointRange& x, const PointRange& y) { return x.first < y.first; });
+    std::vector<PointRange> all;
+    for (const PointRange& r : a) {
+        if (!all.empty() && r.first <= all.back().last)
+            all.back().last = std::max(all.back().last, r.last);
+        else
+            all.push_back(r);
+    }
+    return all;
+}
+
+/// Calls f for the parts of `range` that are in none of `gaps` (in order, without overlap).
+template <typename F>
+void forEachOutside(PointRange range, const std::vector<PointRange>& gaps, F&& f)
+{
+    auto gap = std::upper_bound(gaps.begin(), gaps.end(), range.first,
+                                [](PointIndex i, const PointRange& g) { return i < g.last; });
+    while (!range.empty()) {
+        const PointIndex end = gap == gaps.end() ? range.last : std::clamp(gap->first, range.first, range.last);
+        if (end > range.first) f(PointRange{range.first, end});
+        if (gap == gaps.end()) return;
+        range.first = std::max(end, std::min(gap->last, range.last));
+        ++gap;
+    }
+}
+
+/// Streams the points of one file past the records of the other, which are kept.
+/// `streamedIsA`: which of the two is A.
+void comparePoints(const Reader& streamed, const Records& kept, const RecordLayout& keptLayout, bool streamedIsA,
+                   Progress& progress, std::vector<std::string>& warnings, Difference& d)
+{
+    const SourceFile& source = *streamed.source();
+    const RecordComparer comparer =
+        streamedIsA ? RecordComparer(source.layout, keptLayout) : RecordComparer(keptLayout, source.layout);
+    const PointIndex both = std::min(source.pointCount, kept.points());
+    const std::uint64_t length = source.layout.length;
+    const PointIndex piece =
+        std::max<PointIndex>(1, kPieceBytes / std::max(length, std::uint64_t(keptLayout.length)));
+    RecordComparer::Tally all;
+    const auto pass = [&](const std::vector<PointRange>& gaps) {
+        std::mutex mutex;
+        all = {};
+        progress.begin("Comparing points", source.pointCount);
+        return streamed.visitRecords(progress, [&](PointRange range, std::span<const std::byte> records) {
+            thread_local std::vector<std::byte> scratch;
+            RecordComparer::Tally tally;
+            const PointIndex start = range.first;
+            range.last = std::min(range.last, both);
+            forEachOutside(range, gaps, [&](PointRange part) {
+                for (PointIndex first = part.first; first < part.last; first += piece) {
+                    const PointRange now{first, std::min(first + piece, part.last)};
+                    const std::byte* const theirs = records.data() + (first - start) * length;
+                    const std::byte* const ours = kept.get(now, scratch);
+                    comparer.compare(streamedIsA ? theirs : ours, streamedIsA ? ours : theirs,
+                                     std::size_t(now.size()), first, tally);
+                }
+            });
+            if (tally.counts.empty()) return;
+            const std::lock_guard lock(mutex);
+            all.add(tally);
+        });
+    };
+    std::vector<PointRange> gaps = merged(kept.missing(), {});
+    ReadResult result = pass(gaps);
+    if (!result.missing.empty()) {  // their first records were compared before the damage was seen
+        gaps = merged(gaps, result.missing);
+        result = pass(gaps);
+    }
+    warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
+    (streamedIsA ? d.unreadableA : d.unreadableB) = total(result.missing);
+    PointIndex outside = 0;
+    forEachOutside({0, both}, gaps, [&](PointRange r) { outside += r.size(); });
+    d.compared = outside;
+    d.differing = all.differing;
+    d.attributes = comparer.differences(all);
+}
+
+/// First byte in which two files differ; nothing when they are the same.
+std::optional<std::uint64_t> firstDifferentByte(const std::filesystem::path& a, const std::filesystem::path& b,
+                                                Progress& progress)
+{
+    const File x(a), y(b);
+    const std::uint64_t both = std::min(x.size(), y.size());
+    progress.begin("Comparing bytes", both);
+    std::vector<std::byte> p, q;
+    for (std::uint64_t at = 0; at < both; at += kBlockBytes) {
+        progress.check();
+        const auto n = std::size_t(std::min<std::uint64_t>(kBlockBytes, both - at));
+        p.resize(n);
+        q.resize(n);
+        x.readAt(at, p);
+        y.readAt(at, q);
+        const auto differs = std::mismatch(p.begin(), p.end(), q.begin()).first;
+        if (differs != p.end()) return at + std::uint64_t(differs - p.begin());
+        progress.add(n);
+    }
+    if (x.size() != y.size()) return both;
+    return std::nullopt;
+}
+
+/// What will be in the file besides the points, as if it had been read.
+SourceFile plannedSource(WritePlan& plan, const CoordinateScale& coordinates)
+{
+    SourceFile s;
+    std::size_t at = std::to_integer<unsigned>(plan.prefix[at::kHeaderSize]) |
+                     std::to_integer<unsigned>(plan.prefix[at::kHeaderSize + 1]) << 8;
+    // How long compressed points will be is not known, and no part of the content.
+    s.pointDataEnd = plan.prefix.size() + plan.maker->points() * plan.maker->layout().length;
+    plan.setPointDataEnd(s.pointDataEnd);
+    s.header.bytes.assign(plan.prefix.begin(), plan.prefix.begin() + std::ptrdiff_t(at));
+    s.vlrs = plan.vlrs;
+    for (const Vlr& vlr : s.vlrs) at += std::size_t(vlr.bytesInFile());
+    s.gapBeforePoints.assign(plan.prefix.begin() + std::ptrdiff_t(at), plan.prefix.end());
+    s.gapAfterPoints = plan.gapAfterPoints;
+    s.evlrs = plan.evlrs;
+    s.tail = plan.tail;
+    s.waveformEvlr = plan.waveformEvlr;
+    s.compressed = plan.compressed;
+    s.coordinates = coordinates;
+    s.pointCount = plan.maker->points();
+    std::vector<std::string> ignored;
+    s.layout = makeLayout(plan.maker->layout().format, plan.maker->layout().length, s.extraBytesRecords(),
+                          coordinates, ignored);
+    return s;
+}
+
+}  // namespace
+
+Difference diffFiles(const std::filesystem::path& a, const std::filesystem::path& b, const DiffOptions& options,
+                     Progress& progress, std::vector<std::string>* warnings)
+{
+    progress.begin("Opening", 0);
+    const auto readerA = Reader::open(a), readerB = Reader::open(b);
+    const SourceFile &x = *readerA->source(), &y = *readerB->source();
+    std::vector<std::string> said;
+    for (const SourceFile* s : {&x, &y})
+        for (const std::string& w : s->warnings) said.push_back(s->path.filename().string() + ": " + w);
+
+    Difference d;
+    d.pointsA = x.pointCount;
+    d.pointsB = y.pointCount;
+    compareSources(x, y, d);
+    // Records of LAS are where they are; of two LAZ files, the smaller one is kept decoded.
+    const bool keepA =
+        !x.compressed || (y.compressed && x.pointCount * x.layout.length < y.pointCount * y.layout.length);
+    const Reader& kept = keepA ? *readerA : *readerB;
+    const Reader& streamed = keepA ? *readerB : *readerA;
+    const SourceFile& k = *kept.source();
+    std::unique_ptr<Records> records;
+    if (k.compressed)
+        records = std::make_unique<DecodedRecords>(kept, progress, said);
+    else
+        records = std::make_unique<PlainRecords>(k);
+    (keepA ? d.unreadableA : d.unreadableB) = total(records->missing());
+    comparePoints(streamed, *records, k.layout, !keepA, progress, said, d);
+    if (options.bytes) d.firstByte = firstDifferentByte(a, b, progress);
+    if (warnings != nullptr) *warnings = std::move(said);
+    return d;
+}
+
+SavePreview previewSave(const PointCloud& cloud, const std::filesystem::path& original,
+                        const std::filesystem::path& target, const WriteOptions& options, Progress& progress)
+{
+    progress.begin("Comparing with the file", 0);
+    const auto reader = Reader::open(original);
+    const std::shared_lock lock(cloud.mutex());
+    WritePlan plan = planWrite(cloud, target, options, progress);
+    const SourceFile& x = *reader->source();
+    if (x.pointCount != cloud.size())
+        throw Error(original, "The file no longer holds the points that were read from it.");
+    const SourceFile y = plannedSource(plan, cloud.coordinates());
+
+    SavePreview preview;
+    Difference& d = preview.difference;
+    d.pointsA = x.pointCount;
+    d.pointsB = y.pointCount;
+    compareSources(x, y, d);
+    std::erase_if(d.container, [](const FieldDifference& f) { return f.name == "file_size"; });
+    const PlannedRecords records(*plan.maker, cloud.size());
+    std::vector<std::string> said;
+    comparePoints(*reader, records, y.layout, true, progress, said, d);
+    preview.notes = std::move(plan.notes);
+    return preview;
+}
+
+}  // namespace punctum::las
