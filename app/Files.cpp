@@ -80,6 +80,10 @@ void reportWritten(const las::WriteReport& report, const fs::path& path, bool js
         all["file"] = path.string();
         all["points"] = report.points;
         all["bytes"] = report.bytes;
+        if (report.chunksCopied + report.chunksEncoded != 0) {
+            all["chunks_copied"] = report.chunksCopied;
+            all["chunks_encoded"] = report.chunksEncoded;
+        }
         all["notes"] = report.notes;
         printJson(all);
         return;

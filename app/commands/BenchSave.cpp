@@ -38,6 +38,7 @@ void runBenchSave(const BenchSaveOptions& options, Progress& progress)
     las::WriteOptions write;
     write.compressed = options.as.empty() ? cloud->source()->compressed : options.as == "laz";
     write.verify = !options.noVerify;
+    write.copyChunks = false;  // writing is measured, not copying
     const fs::path folder = options.folder.empty() ? fs::temp_directory_path() : fs::path(options.folder);
     const ScratchFile scratch{folder /
                               ("punctum-bench-" + std::to_string(getpid()) + (write.compressed ? ".laz" : ".las"))};

@@ -139,12 +139,22 @@ void AtomicFile::writeAt(std::uint64_t offset, std::span<const std::byte> bytes)
     }
 }
 
+void AtomicFile::resize(std::uint64_t bytes)
+{
+    const FileSizeSignal quiet;
+    int result = 0;
+    do {
+        result = ::ftruncate(m_descriptor, off_t(bytes));
+    } while (result != 0 && errno == EINTR);
+    if (result != 0) fail("The file cannot be written", errno);
+}
+
 void AtomicFile::sync()
 {
     if (::fsync(m_descriptor) != 0) fail("The file cannot be written to the disk", errno);
 }
 
-void AtomicFile::commit()
+FileStamp AtomicFile::commit()
 {
     if (m_exists) {
         // The owner first: changing it clears set-id bits. Not being allowed to is no failure, the mode is.
@@ -152,6 +162,9 @@ void AtomicFile::commit()
         if (::fchmod(m_descriptor, mode_t(owned ? m_mode : m_mode & 0777u)) != 0)
             fail("The file's permissions cannot be kept", errno);
     }
+    struct stat s {
+    };
+    if (::fstat(m_descriptor, &s) != 0) fail("The file cannot be written", errno);
     const int closed = ::close(m_descriptor);
     m_descriptor = -1;
     if (closed != 0 && errno != EINTR) fail("The file cannot be written to the disk", errno);
@@ -163,6 +176,7 @@ void AtomicFile::commit()
         (void)::fsync(d);
         ::close(d);
     }
+    return FileStamp::of(s);
 }
 
 }  // namespace punctum::las

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/las/File.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -23,15 +25,19 @@ public:
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
 
+    /// Links followed.
+    const std::filesystem::path& target() const noexcept { return m_target; }
     const std::filesystem::path& temporary() const noexcept { return m_temporary; }
     /// Whether the target has other names (hard links), which will keep the old contents.
     bool hasOtherNames() const noexcept { return m_otherNames; }
 
     void writeAt(std::uint64_t offset, std::span<const std::byte> bytes);
+    /// Cuts the file off, or extends it with zeros.
+    void resize(std::uint64_t bytes);
     /// Waits until all is on the disk.
     void sync();
-    /// Gives the file its name; the mode of an existing target is kept.
-    void commit();
+    /// Gives the file its name; the mode of an existing target is kept. Gives what tells the new file from others.
+    FileStamp commit();
 
 private:
     [[noreturn]] void fail(const std::string& what, int error) const;

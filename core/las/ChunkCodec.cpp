@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "core/las/File.h"
 #include "core/las/StackGuard.h"
+#include "core/task/Progress.h"
 
 #include <laszip/laszip_api.h>
 
@@ -40,6 +41,7 @@ constexpr std::size_t kFixedPayload = 34, kItemBytes = 6;
 constexpr std::size_t kChunkSizeAt = 12;
 constexpr std::size_t kPointerBytes = 8;
 constexpr std::uint32_t kCoreLayers = 9;
+constexpr std::size_t kCancelStep = 4096;  ///< points compressed between two looks at the cancel flag
 constexpr std::size_t kFileWindow = std::size_t(1) << 20;
 
 /// The items that a record of this format and length is made of (types and sizes).
@@ -363,6 +365,12 @@ std::uint32_t LazInfo::layers() const
     return n;
 }
 
+void LazInfo::setChunkSize(std::uint32_t size)
+{
+    chunkSize = size;
+    std::memcpy(payload.data() + kChunkSizeAt, &size, sizeof size);
+}
+
 LazInfo LazInfo::parse(const Vlr& record, std::uint8_t format, std::uint16_t recordLength)
 {
     const std::vector<std::byte>& d = record.data;
@@ -549,8 +557,11 @@ std::uint64_t PointDecoder::position()
     return std::uint64_t(std::streamoff(at)) - m_impl->buffer.prefixBytes();
 }
 
-std::vector<std::byte> encodeChunk(const LazInfo& info, std::span<const std::byte> records)
+std::vector<std::byte> encodeChunk(const LazInfo& info, std::span<const std::byte> records,
+                                   const Progress& progress)
 {
+    const std::size_t count = records.size() / info.recordLength;
+    if (count == 0 || count >= kVariableChunks) throw Error("A chunk cannot hold that many points.");
     SinkBuffer sink;
     std::ostream stream(&sink);
     const Handle handle;
@@ -559,14 +570,14 @@ std::vector<std::byte> encodeChunk(const LazInfo& info, std::span<const std::byt
     };
     check(laszip_set_point_type_and_size(handle.get(), info.format, info.recordLength));
     check(laszip_request_native_extension(handle.get(), 1));
-    check(laszip_set_chunk_size(handle.get(), kDefaultChunkSize));
+    check(laszip_set_chunk_size(handle.get(), std::uint32_t(count)));
     check(laszip_open_writer_stream(handle.get(), stream, 1, 1));
     laszip_point* point = handle.point();
     const Parts parts(info.format, info.recordLength);
     if (parts.extra >= 0 && (point->extra_bytes == nullptr || point->num_extra_bytes != int(parts.extraBytes)))
         throw Error("The points cannot be compressed (LASzip sees other extra bytes).");
-    const std::size_t count = records.size() / info.recordLength;
     for (std::size_t k = 0; k < count; ++k) {
+        if (k % kCancelStep == 0) progress.check();
         parts.fromRecord(records.data() + k * info.recordLength, *point);
         check(laszip_write_point(handle.get()));
     }

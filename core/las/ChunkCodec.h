@@ -10,6 +10,11 @@
 #include <string>
 #include <vector>
 
+namespace punctum
+{
+class Progress;
+}
+
 namespace punctum::las
 {
 
@@ -23,6 +28,7 @@ struct LazInfo {
     enum Compressor : std::uint16_t { Pointwise = 1, Chunked = 2, Layered = 3 };
     struct Item {
         std::uint16_t type = 0, size = 0, version = 0;
+        friend bool operator==(const Item&, const Item&) = default;
     };
 
     std::uint16_t compressor = Chunked;
@@ -35,6 +41,8 @@ struct LazInfo {
     bool variable() const { return chunkSize == kVariableChunks; }
     /// Layers of a chunk of the layered compressor.
     std::uint32_t layers() const;
+    /// Changes chunkSize, and the payload with it.
+    void setChunkSize(std::uint32_t size);
     /// Parses and checks the record against point format and record length. Throws Error.
     static LazInfo parse(const Vlr& record, std::uint8_t format, std::uint16_t recordLength);
     /// What LASzip itself writes for this format, with chunks of kDefaultChunkSize.
@@ -80,8 +88,9 @@ private:
     std::string m_error;
 };
 
-/// The bytes of one chunk with these records (the same that LASzip writes serially), at most kDefaultChunkSize.
-/// May be called from several threads. Throws Error.
-std::vector<std::byte> encodeChunk(const LazInfo& info, std::span<const std::byte> records);
+/// The bytes of one chunk with these records (the same that LASzip writes serially).
+/// May be called from several threads. Throws Error or Cancelled.
+std::vector<std::byte> encodeChunk(const LazInfo& info, std::span<const std::byte> records,
+                                   const Progress& progress);
 
 }  // namespace punctum::las

@@ -22,12 +22,21 @@ std::string reason(int error)
     return std::generic_category().message(error);
 }
 
-std::int64_t modifiedNs(const struct stat& s)
+}  // namespace
+
+FileStamp FileStamp::of(const struct stat& s) noexcept
 {
-    return std::int64_t(s.st_mtim.tv_sec) * 1'000'000'000 + s.st_mtim.tv_nsec;
+    return {std::uint64_t(s.st_dev), std::uint64_t(s.st_ino), std::uint64_t(s.st_size),
+            std::int64_t(s.st_mtim.tv_sec) * 1'000'000'000 + s.st_mtim.tv_nsec};
 }
 
-}  // namespace
+std::optional<FileStamp> FileStamp::of(const std::filesystem::path& path) noexcept
+{
+    struct stat s {
+    };
+    if (::stat(path.c_str(), &s) != 0) return {};
+    return of(s);
+}
 
 File::File(const std::filesystem::path& path) : m_path(path)
 {
@@ -45,8 +54,7 @@ File::File(const std::filesystem::path& path) : m_path(path)
         throw Error(path, known && S_ISDIR(s.st_mode) ? "This is a folder, not a file."
                                                       : "This is not a regular file, so it cannot be opened.");
     }
-    m_size = std::uint64_t(s.st_size);
-    m_modified = modifiedNs(s);
+    m_stamp = FileStamp::of(s);
 }
 
 File::~File()
@@ -55,10 +63,7 @@ File::~File()
 }
 
 File::File(File&& other) noexcept
-    : m_path(std::move(other.m_path)),
-      m_descriptor(std::exchange(other.m_descriptor, -1)),
-      m_size(other.m_size),
-      m_modified(other.m_modified)
+    : m_path(std::move(other.m_path)), m_descriptor(std::exchange(other.m_descriptor, -1)), m_stamp(other.m_stamp)
 {
 }
 
@@ -79,7 +84,7 @@ void File::checkUnchanged() const
 {
     struct stat s {
     };
-    if (::fstat(m_descriptor, &s) != 0 || std::uint64_t(s.st_size) != m_size || modifiedNs(s) != m_modified)
+    if (::fstat(m_descriptor, &s) != 0 || FileStamp::of(s) != m_stamp)
         throw Error(m_path, "The file was changed by another program while it was being read; open it again.");
 }
 

@@ -4,6 +4,7 @@
 #include "core/cloud/Column.h"
 #include "core/cloud/PointCloud.h"
 #include "core/las/ExtraBytes.h"
+#include "core/las/File.h"
 #include "core/las/PointFormat.h"
 
 #include <array>
@@ -118,8 +119,36 @@ private:
     Summary m_summary;
 };
 
+/// The file that holds the cloud at present: the one it was read from, later the one it was last saved to.
+/// Saving looks there whether somebody else changed that file meanwhile, and for compressed chunks that no edit
+/// touched. Set from any thread; copies are taken under the lock.
+class CurrentFile
+{
+public:
+    struct Place {
+        std::filesystem::path path;  ///< empty: a cloud made here, never saved
+        FileStamp stamp;
+        bool saved = false;    ///< written by us: it holds the points that a save writes, not those that were read
+        bool pristine = true;  ///< its points and their places are those of the file that was read
+    };
+    Place get() const
+    {
+        const std::lock_guard lock(m_mutex);
+        return m_place;
+    }
+    void set(Place place)
+    {
+        const std::lock_guard lock(m_mutex);
+        m_place = std::move(place);
+    }
+
+private:
+    mutable std::mutex m_mutex;
+    Place m_place;
+};
+
 /// Everything of a LAS/LAZ file that is not a point, as read: what saving writes back unless it must change.
-/// Immutable once made (but for `asRead`); shared by the reader, the cloud and the writer.
+/// Immutable once made (but for `asRead` and `current`); shared by the reader, the cloud and the writer.
 struct SourceFile {
     std::filesystem::path path;  ///< empty for a cloud made here
     std::uint64_t fileSize = 0;
@@ -143,6 +172,7 @@ struct SourceFile {
     bool recovered = false;             ///< something is missing or damaged: save only under another name
 
     std::shared_ptr<PointsAsRead> asRead = std::make_shared<PointsAsRead>();
+    std::shared_ptr<CurrentFile> current = std::make_shared<CurrentFile>();
 
     const Vlr* findVlr(std::string_view user, std::uint16_t id) const;  ///< VLRs, then EVLRs
     /// All Extra Bytes records, VLRs then EVLRs, in file order.

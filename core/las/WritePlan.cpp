@@ -22,6 +22,8 @@ constexpr PointIndex kGrain = 1 << 16;
 constexpr std::uint16_t kWktBit = 16, kWaveformBit = 2;
 constexpr std::size_t kMostDescriptors = UINT16_MAX / ExtraBytesDescriptor::kSize;
 constexpr double kScanAngleStep = 0.006;
+constexpr const char* kLaxLeftOut = "The LAX spatial index is left out: it belongs to the old compressed file.";
+constexpr std::size_t kSpecialCountAt = 16, kSpecialStartAt = 24;  ///< in the laszip record
 
 std::string text(std::uint64_t n)
 {
@@ -116,6 +118,16 @@ void putVlr(std::vector<std::byte>& bytes, const Vlr& vlr)
         put(bytes, std::uint16_t(vlr.data.size()));
     put(bytes, vlr.description);
     bytes.insert(bytes.end(), vlr.data.begin(), vlr.data.end());
+}
+
+bool isLaszip(const Vlr& v)
+{
+    return v.is(kLaszipUser, kLaszipRecordId);
+}
+
+bool isLax(const Vlr& v)
+{
+    return v.is("LAStools", 30);
 }
 
 /// Makes the plan; one use.
@@ -391,13 +403,10 @@ private:
 
     void erase(std::vector<Vlr>& list, std::size_t k)
     {
-        if (&list == &m_plan.evlrs && m_plan.waveformEvlr) {
-            if (*m_plan.waveformEvlr == k)
-                m_plan.waveformEvlr.reset();
-            else if (*m_plan.waveformEvlr > k)
-                --*m_plan.waveformEvlr;
-        }
-        list.erase(list.begin() + std::ptrdiff_t(k));
+        if (&list == &m_plan.evlrs)
+            m_plan.eraseEvlr(k);
+        else
+            list.erase(list.begin() + std::ptrdiff_t(k));
     }
 
     template <typename Which>
@@ -425,23 +434,58 @@ private:
             }) != 0)
             note("The spatial index of the COPC file is left out: it becomes an ordinary " +
                  std::string(m_options.compressed ? "LAZ" : "LAS") + " file.");
-        if (m_source->compressed && dropRecords([](const Vlr& v) { return v.is("LAStools", 30); }) != 0)
-            note("The LAX spatial index is left out: it belongs to the old compressed file.");
+        // In a file that stays compressed, the index in an EVLR is right while the points are where they were: what
+        // is written tells (WritePlan::setCompression).
+        const bool stays = m_options.compressed && m_minor >= 4;
+        if (m_source->compressed &&
+            dropRecords([&](const Vlr& v) { return isLax(v) && !(stays && v.extended); }) != 0)
+            note(kLaxLeftOut);
 
         m_plan.compressed = m_options.compressed;
-        const auto isLaszip = [](const Vlr& v) { return v.is(kLaszipUser, kLaszipRecordId); };
-        if (!m_options.compressed) {
+        if (m_options.compressed)
+            chooseCompression();
+        else
             std::erase_if(m_vlrs, isLaszip);
-        } else {
-            m_plan.laz = LazInfo::standard(m_format, m_layout.length);
-            const auto it = std::find_if(m_vlrs.begin(), m_vlrs.end(), isLaszip);
-            if (it != m_vlrs.end())
-                it->data = m_plan.laz.payload;
-            else
-                m_vlrs.push_back(
-                    makeVlr(kLaszipUser, kLaszipRecordId, "by Punctum with LASzip", m_plan.laz.payload));
-        }
         if (m_minor < 4) shortenEvlrs();
+    }
+
+    /// The file's own laszip record and chunks stay wherever they say the same as LASzip's present ones.
+    void chooseCompression()
+    {
+        LazInfo& laz = m_plan.laz;
+        laz = LazInfo::standard(m_format, m_layout.length);
+        const auto found = std::find_if(m_vlrs.rbegin(), m_vlrs.rend(), isLaszip);  // the last one counts
+        std::optional<LazInfo> own;
+        if (found != m_vlrs.rend()) own = fitting(*found);
+        const bool ownSize = own && !own->variable() && own->chunkSize <= kDefaultChunkSize;
+        m_plan.chunks = planChunks(*m_source, laz, m_kept, ownSize ? own->chunkSize : kDefaultChunkSize);
+        if (!m_options.copyChunks) {
+            m_plan.chunks.file.reset();
+            m_plan.chunks.allOrNone = false;
+        }
+        laz.setChunkSize(m_plan.chunks.chunkSize);
+
+        if (found == m_vlrs.rend()) {
+            m_vlrs.push_back(makeVlr(kLaszipUser, kLaszipRecordId, "by Punctum with LASzip", laz.payload));
+        } else if (!own || own->items != (m_plan.chunks.allOrNone ? m_plan.chunks.laz.items : laz.items)) {
+            found->data = laz.payload;
+        } else if (own->chunkSize != laz.chunkSize) {
+            own->setChunkSize(laz.chunkSize);
+            std::copy(own->payload.begin(), own->payload.end(), found->data.begin());
+        }
+    }
+
+    /// What the record says, if chunks that we write can be of that kind.
+    std::optional<LazInfo> fitting(const Vlr& record)
+    {
+        try {
+            LazInfo info = LazInfo::parse(record, m_format, m_layout.length);
+            if (info.compressor == m_plan.laz.compressor) return info;
+            if (info.compressor == LazInfo::Pointwise)
+                note("The points, until now compressed in one stream, are compressed in chunks.");
+        } catch (const Error&) {  // of another point format
+        }
+        return {};
     }
 
     /// Before 1.4 there are no EVLRs but the waveform record of 1.3.
@@ -685,7 +729,10 @@ private:
 
         std::vector<std::byte>& prefix = m_plan.prefix;
         prefix = m_header.bytes;
-        for (const Vlr& vlr : m_vlrs) putVlr(prefix, vlr);
+        for (const Vlr& vlr : m_vlrs) {
+            if (isLaszip(vlr)) m_plan.laszipAt = prefix.size() + Vlr::kHeaderSize;
+            putVlr(prefix, vlr);
+        }
         prefix.insert(prefix.end(), m_source->gapBeforePoints.begin(), m_source->gapBeforePoints.end());
         m_plan.vlrs = std::move(m_vlrs);
         m_plan.maker = std::make_unique<RecordMaker>(std::move(m_layout), std::move(m_columns), m_conversion,
@@ -713,6 +760,35 @@ private:
 };
 
 }  // namespace
+
+void WritePlan::setCompression(bool originVersions, bool moved)
+{
+    std::byte* const payload = prefix.data() + laszipAt;
+    if (chunks.allOrNone && !originVersions) std::copy(laz.payload.begin(), laz.payload.end(), payload);
+    if (!moved) return;
+    std::int64_t special = 0;
+    std::memcpy(&special, payload + kSpecialCountAt, sizeof special);
+    if (special > 0) {
+        special = -1;
+        std::memcpy(payload + kSpecialCountAt, &special, sizeof special);
+        std::memcpy(payload + kSpecialStartAt, &special, sizeof special);
+        notes.push_back(kLaxLeftOut);
+    }
+    for (std::size_t k = evlrs.size(); k-- > 0;) {
+        if (!isLax(evlrs[k])) continue;
+        eraseEvlr(k);
+        notes.push_back(kLaxLeftOut);
+    }
+}
+
+void WritePlan::eraseEvlr(std::size_t k)
+{
+    if (waveformEvlr && *waveformEvlr == k)
+        waveformEvlr.reset();
+    else if (waveformEvlr && *waveformEvlr > k)
+        --*waveformEvlr;
+    evlrs.erase(evlrs.begin() + std::ptrdiff_t(k));
+}
 
 void WritePlan::setPointDataEnd(std::uint64_t end)
 {

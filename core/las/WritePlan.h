@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/las/ChunkCodec.h"
+#include "core/las/ChunkPlan.h"
 #include "core/las/SourceFile.h"
 #include "core/las/Writer.h"
 
@@ -56,9 +56,11 @@ private:
 struct WritePlan {
     std::unique_ptr<RecordMaker> maker;
     bool compressed = false;
-    LazInfo laz;                    ///< when compressed
+    LazInfo laz;                    ///< when compressed: what LASzip writes for these records
+    ChunkPlan chunks;               ///< when compressed
     std::vector<std::byte> prefix;  ///< header, VLRs, gap: the file up to the points
     std::vector<Vlr> vlrs;          ///< those in `prefix`
+    std::size_t laszipAt = 0;       ///< of the laszip record's payload in the prefix
     std::vector<std::byte> gapAfterPoints;
     std::vector<Vlr> evlrs;
     std::vector<std::byte> tail;
@@ -66,6 +68,11 @@ struct WritePlan {
     std::optional<std::size_t> waveformEvlr;
     std::vector<std::string> notes;
 
+    /// Makes the records on compression and its index say what was written. `originVersions`: the chunks are coded
+    /// as in the file they came from. `moved`: chunks or their places differ from those of the file that was read.
+    void setCompression(bool originVersions, bool moved);
+    /// Takes a record out, and keeps waveformEvlr on its record.
+    void eraseEvlr(std::size_t k);
     /// Fills in the header's positions of what comes after the points; call when the points' end is known.
     void setPointDataEnd(std::uint64_t end);
     /// Gap, EVLRs and tail as they are written after the points.

@@ -22,12 +22,15 @@ struct WriteOptions {
     std::optional<std::uint8_t> versionMinor;  ///< 2, 3 or 4; default: as the source, 4 for clouds made here
     std::optional<std::uint8_t> pointFormat;   ///< 0-10; default: as the source
     bool verify = true;                        ///< decode the written file and compare before it takes its name
+    bool copyChunks = true;  ///< take compressed chunks that no edit touched from the file that holds the cloud
 };
 
 /// What was written, and what had to be different from the source (one sentence each).
 struct WriteReport {
     PointIndex points = 0;
     std::uint64_t bytes = 0;
+    std::uint64_t chunksCopied = 0;   ///< LAZ: taken as they were
+    std::uint64_t chunksEncoded = 0;  ///< LAZ: compressed anew
     std::vector<std::string> notes;
 };
 

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/las/ChunkTable.h"
+#include "core/las/SourceFile.h"
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace punctum::las
+{
+
+/// A chunk that is to be written.
+struct PlannedChunk {
+    PointRange points;            ///< of the written points
+    std::optional<Chunk> origin;  ///< the same points in the file they came from: copied when no edit touched them
+};
+
+/// How the points of a compressed file are cut into chunks.
+struct ChunkPlan {
+    std::vector<PlannedChunk> chunks;
+    std::uint32_t chunkSize = kDefaultChunkSize;  ///< kVariableChunks when the table must say each chunk's points
+    std::shared_ptr<const File> file;             ///< that the origins lie in; null when there are none
+    LazInfo laz;                                  ///< of that file
+    /// That file's chunks are coded in versions that LASzip no longer writes. All chunks of a file have one
+    /// version, so that either all are copied or none.
+    bool allOrNone = false;
+};
+
+/// Chunks of points written one after another, each but the last with `chunkSize` points.
+std::vector<PlannedChunk> regularChunks(PointIndex points, std::uint32_t chunkSize);
+
+/// Cuts the points that are written (`kept`, ranges of the cloud) as they are cut in the file that holds the cloud
+/// at present, if that is a LAZ file with records of this kind and nobody changed it since, else into chunks of
+/// `chunkSize`. `standard`: what LASzip writes for such records. Chunks that lost points are cut anew.
+/// The file is opened, its points are not read. Never throws: a file that cannot be used is no origin.
+ChunkPlan planChunks(const SourceFile& source, const LazInfo& standard, const std::vector<PointRange>& kept,
+                     std::uint32_t chunkSize);
+
+}  // namespace punctum::las
