@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/las/File.h"
+#include "core/las/PointwiseDecoder.h"
 #include "core/las/StackGuard.h"
 #include "core/task/Progress.h"
 
@@ -515,17 +516,31 @@ struct PointDecoder::Impl {
     }
 };
 
-PointDecoder::PointDecoder(const LazInfo& info, std::span<const std::byte> data, std::uint64_t count)
-    : m_impl(
-          std::make_unique<Impl>(info, std::uint32_t(std::min<std::uint64_t>(count, UINT32_MAX - 1)), count, data))
+PointDecoder::PointDecoder(const LazInfo& info, std::span<const std::byte> data, std::uint64_t count, Codec codec)
 {
-    m_error = codersBegin(data, info) ? m_impl->start() : kNoCoder;
+    if (codec == Codec::Fastest && PointwiseDecoder::supports(info)) {
+        m_own = std::make_unique<PointwiseDecoder>(info);
+        restart(data);
+    } else {
+        const auto chunkSize = std::uint32_t(std::min<std::uint64_t>(count, UINT32_MAX - 1));
+        m_impl = std::make_unique<Impl>(info, chunkSize, count, data);
+        m_error = codersBegin(data, info) ? m_impl->start() : kNoCoder;
+    }
 }
 
 PointDecoder::PointDecoder(const LazInfo& info, const File& file, std::uint64_t offset, std::uint64_t bytes,
                            std::uint64_t count)
-    : m_impl(std::make_unique<Impl>(info, info.chunkSize, count, file, offset, bytes))
 {
+    if (PointwiseDecoder::supports(info)) {
+        m_own = std::make_unique<PointwiseDecoder>(info);
+        // No encoder needs twice the bytes of the records.
+        const std::uint64_t most = 2 * std::uint64_t(info.recordLength) * std::min(count, bytes) + kFileWindow;
+        std::vector<std::byte> data(std::size_t(std::min(bytes, most)));
+        file.readAt(offset, data);
+        restart(data);
+        return;
+    }
+    m_impl = std::make_unique<Impl>(info, info.chunkSize, count, file, offset, bytes);
     std::vector<std::byte> head(std::size_t(std::min<std::uint64_t>(bytes, info.recordLength + kCoderBytes)));
     file.readAt(offset, head);
     m_error = codersBegin(head, info) ? m_impl->start() : kNoCoder;
@@ -533,9 +548,19 @@ PointDecoder::PointDecoder(const LazInfo& info, const File& file, std::uint64_t 
 
 PointDecoder::~PointDecoder() = default;
 
+void PointDecoder::restart(std::span<const std::byte> data)
+{
+    m_error = m_own->start(data);
+}
+
 std::size_t PointDecoder::decode(std::size_t count, std::byte* records)
 {
     if (!m_error.empty()) return 0;
+    if (m_own) {
+        const std::size_t n = m_own->decode(count, records);
+        if (n < count) m_error = "its bytes end too early or are damaged";
+        return n;
+    }
     const laszip_POINTER handle = m_impl->handle.get();
     const Parts& parts = m_impl->parts;
     std::size_t done = 0;
@@ -553,6 +578,7 @@ std::size_t PointDecoder::decode(std::size_t count, std::byte* records)
 
 std::uint64_t PointDecoder::position()
 {
+    if (m_own) return m_own->position();
     const auto at = m_impl->stream.rdbuf()->pubseekoff(0, std::ios_base::cur, std::ios_base::in);
     return std::uint64_t(std::streamoff(at)) - m_impl->buffer.prefixBytes();
 }

@@ -60,13 +60,18 @@ std::string checkLayeredChunk(std::span<const std::byte> chunk, const LazInfo& i
 bool layeredChunkSize(std::span<const std::byte> start, const LazInfo& info, std::uint32_t& count,
                       std::uint64_t& bytes);
 
-/// Decodes one run of compressed points with LASzip, from memory or straight from the file. For one thread.
-/// After an error nothing more can be decoded.
+class PointwiseDecoder;
+
+/// Decodes one run of compressed points, from memory or straight from the file: with LASzip, or, where it can, with
+/// the faster PointwiseDecoder. For one thread. After an error nothing more can be decoded.
 class PointDecoder
 {
 public:
+    /// Which code decodes chunks in memory: tests hold one against the other.
+    enum class Codec { Fastest, Laszip };
     /// A chunk in memory; `data` must stay. `count`: its points.
-    PointDecoder(const LazInfo& info, std::span<const std::byte> data, std::uint64_t count);
+    PointDecoder(const LazInfo& info, std::span<const std::byte> data, std::uint64_t count,
+                 Codec codec = Codec::Fastest);
     /// The bytes [offset, offset + bytes) of a file: a pointwise stream, or chunks of info.chunkSize one after
     /// another.
     PointDecoder(const LazInfo& info, const File& file, std::uint64_t offset, std::uint64_t bytes,
@@ -75,16 +80,22 @@ public:
     PointDecoder(const PointDecoder&) = delete;
     PointDecoder& operator=(const PointDecoder&) = delete;
 
+    /// Whether it can take up another chunk in place of this one, which spares making the models anew.
+    bool reusable() const noexcept { return m_own != nullptr; }
+    /// Takes up another chunk; only when reusable().
+    void restart(std::span<const std::byte> data);
+
     /// Decodes up to `count` points into records of info.recordLength bytes; fewer only on an error.
     std::size_t decode(std::size_t count, std::byte* records);
-    /// Bytes of the data taken so far.
+    /// Bytes of the data taken so far; more than there are when more were asked for.
     std::uint64_t position();
-    /// What LASzip said; empty when all went well.
+    /// What went wrong; empty when all went well.
     const std::string& error() const noexcept { return m_error; }
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> m_impl;
+    std::unique_ptr<PointwiseDecoder> m_own;
+    std::unique_ptr<Impl> m_impl;  ///< LASzip; null when m_own decodes
     std::string m_error;
 };
 

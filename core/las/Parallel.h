@@ -14,8 +14,8 @@ namespace punctum::las
 {
 
 /// Runs work(scratch, k) for k = 0 ... count-1 on all cores, each worker taking the next k when it is free, so that
-/// the order of k is (nearly) the order of time. `scratch` is the worker's own buffer. The first exception ends it.
-template <typename Work>
+/// the order of k is (nearly) the order of time. `scratch` is the worker's own. The first exception ends it.
+template <typename Scratch = std::vector<std::byte>, typename Work>
 void forEachInOrder(std::size_t count, const Work& work)
 {
     std::atomic<std::size_t> next{0};
@@ -24,7 +24,7 @@ void forEachInOrder(std::size_t count, const Work& work)
     tbb::parallel_for(
         std::size_t(0), std::min(cores, count),
         [&](std::size_t) {
-            std::vector<std::byte> scratch;
+            Scratch scratch;
             while (!stop.load(std::memory_order_relaxed)) {
                 const std::size_t k = next.fetch_add(1, std::memory_order_relaxed);
                 if (k >= count) return;

@@ -10,49 +10,15 @@ namespace punctum::las
 namespace
 {
 
-constexpr unsigned kSymbolShift = 15;  ///< scale of symbol frequencies
-constexpr unsigned kBitShift = 13;     ///< scale of bit probabilities
 constexpr std::uint32_t kMinLength = 1u << 24;
-constexpr unsigned kHighBits = 8;     ///< bits of a difference that are coded with a model
+constexpr unsigned kHighBits = IntegerModels<32, 2>::kHighBits;
 constexpr unsigned kDirectBits = 19;  ///< most bits coded without a model at once
 constexpr unsigned kIntegerBits = 32;
 
 }  // namespace
 
-SymbolModel::SymbolModel(unsigned symbols) : m_counts(symbols, 1), m_below(symbols)
+void BitModel::rescale() noexcept
 {
-    m_cycle = symbols;
-    rescale();
-    m_untilUpdate = m_cycle = (symbols + 6) / 2;
-}
-
-void SymbolModel::count(unsigned symbol)
-{
-    ++m_counts[symbol];
-    if (--m_untilUpdate == 0) rescale();
-}
-
-void SymbolModel::rescale()
-{
-    m_total += m_cycle;
-    if (m_total > (1u << kSymbolShift)) {
-        m_total = 0;
-        for (std::uint32_t& c : m_counts) m_total += c = (c + 1) / 2;
-    }
-    const std::uint32_t scale = 0x80000000u / m_total;
-    std::uint32_t sum = 0;
-    for (std::size_t k = 0; k < m_counts.size(); ++k) {
-        m_below[k] = (scale * sum) >> (31 - kSymbolShift);
-        sum += m_counts[k];
-    }
-    m_cycle = std::min(m_cycle * 5 / 4, (symbols() + 6) * 8);
-    m_untilUpdate = m_cycle;
-}
-
-void BitModel::count(bool bit)
-{
-    if (!bit) ++m_zeroCount;
-    if (--m_untilUpdate != 0) return;
     m_bitCount += m_cycle;
     if (m_bitCount > (1u << kBitShift)) {
         m_bitCount = (m_bitCount + 1) / 2;
@@ -63,11 +29,6 @@ void BitModel::count(bool bit)
     m_zeroProbability = (m_zeroCount * scale) >> (31 - kBitShift);
     m_cycle = std::min(m_cycle * 5 / 4, 64u);
     m_untilUpdate = m_cycle;
-}
-
-IntegerModels::IntegerModels() : lengths{SymbolModel(kIntegerBits + 1), SymbolModel(kIntegerBits + 1)}
-{
-    for (unsigned k = 1; k <= kIntegerBits; ++k) high.emplace_back(1u << std::min(k, kHighBits));
 }
 
 void IntegerEncoder::add(std::uint32_t amount)
@@ -90,7 +51,8 @@ void IntegerEncoder::renormalize()
     }
 }
 
-void IntegerEncoder::putSymbol(SymbolModel& model, unsigned symbol)
+template <unsigned Most>
+void IntegerEncoder::putSymbol(SymbolModel<Most>& model, unsigned symbol)
 {
     if (symbol + 1 == model.symbols()) {
         const std::uint32_t x = model.below(symbol) * (m_length >> kSymbolShift);
@@ -162,91 +124,12 @@ std::vector<std::byte> IntegerEncoder::finish()
     return std::move(m_bytes);
 }
 
-IntegerDecoder::IntegerDecoder(std::span<const std::byte> bytes) : m_bytes(bytes)
+IntegerDecoder::IntegerDecoder(std::span<const std::byte> bytes) : m_size(bytes.size())
 {
-    for (int k = 0; k < 4; ++k) m_value = (m_value << 8) | nextByte();
-}
-
-std::uint32_t IntegerDecoder::nextByte()
-{
-    if (m_at < m_bytes.size()) return std::uint32_t(m_bytes[m_at++]);
-    m_overrun = true;
-    return 0;
-}
-
-void IntegerDecoder::renormalize()
-{
-    while (m_length < kMinLength) {
-        m_value = (m_value << 8) | nextByte();
-        m_length <<= 8;
-    }
-}
-
-unsigned IntegerDecoder::getSymbol(SymbolModel& model)
-{
-    const std::uint32_t whole = m_length;
-    m_length >>= kSymbolShift;
-    // The last symbol whose range begins at or below the value; damaged input may lie beyond all of them.
-    unsigned symbol = 0, beyond = model.symbols();
-    while (beyond - symbol > 1) {
-        const unsigned middle = (symbol + beyond) / 2;
-        (model.below(middle) * m_length > m_value ? beyond : symbol) = middle;
-    }
-    const std::uint32_t x = model.below(symbol) * m_length;
-    const std::uint32_t y = symbol + 1 == model.symbols() ? whole : model.below(symbol + 1) * m_length;
-    m_value -= x;
-    m_length = y - x;
-    renormalize();
-    model.count(symbol);
-    return symbol;
-}
-
-bool IntegerDecoder::getBit(BitModel& model)
-{
-    const std::uint32_t x = model.zero() * (m_length >> kBitShift);
-    const bool bit = m_value >= x;
-    if (bit) {
-        m_value -= x;
-        m_length -= x;
-    } else {
-        m_length = x;
-    }
-    renormalize();
-    model.count(bit);
-    return bit;
-}
-
-std::uint32_t IntegerDecoder::getBits(unsigned bits)
-{
-    if (bits > kDirectBits) {
-        const std::uint32_t low = getBits(16);
-        return (getBits(bits - 16) << 16) | low;
-    }
-    m_length >>= bits;
-    const std::uint32_t value = std::min(m_value / m_length, (1u << bits) - 1);
-    m_value -= value * m_length;
-    renormalize();
-    return value;
-}
-
-std::int32_t IntegerDecoder::decode(std::int32_t predicted, unsigned context)
-{
-    const unsigned k = getSymbol(m_models.lengths[context]);
-    std::int64_t c = 0;
-    if (k == 0) {
-        c = getBit(m_models.tiny) ? 1 : 0;
-    } else if (k < kIntegerBits) {
-        std::uint32_t folded = getSymbol(m_models.high[k - 1]);
-        if (k > kHighBits) {
-            const unsigned low = k - kHighBits;
-            folded = (folded << low) | getBits(low);
-        }
-        c = folded >= (1u << (k - 1)) ? std::int64_t(folded) + 1
-                                      : std::int64_t(folded) - ((std::int64_t(1) << k) - 1);
-    } else {
-        c = INT32_MIN;
-    }
-    return std::int32_t(std::uint32_t(predicted) + std::uint32_t(c));
+    m_bytes.reserve(bytes.size() + RangeDecoder::kReadAhead);
+    m_bytes.assign(bytes.begin(), bytes.end());
+    m_bytes.resize(bytes.size() + RangeDecoder::kReadAhead);
+    m_decoder = RangeDecoder(std::span(m_bytes).first(m_size));
 }
 
 }  // namespace punctum::las

@@ -1,33 +1,121 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
+#include <climits>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
 
 namespace punctum::las
 {
 
-/// The range coder and integer compressor of the LAZ chunk table, after A. Said's FastAC as M. Isenburg uses it
-/// ("LASzip: lossless compression of LiDAR data", 2013). Only what the table needs: 32-bit integers, two contexts.
+/// The range coder and integer compressor of LAZ, after A. Said's FastAC as M. Isenburg uses it ("LASzip: lossless
+/// compression of LiDAR data", 2013; A. Said, HPL-2004-76). Encoding is for the chunk table, decoding for the table
+/// and for points.
+///
+/// Decoding is built for long chains of dependent steps on wide processors: symbols are found by comparing their
+/// ranges sixteen at once instead of by bisection, whose branches cannot be foretold, and bytes are taken without a
+/// branch.
 
-/// Adaptive frequencies of up to 256 symbols, 15-bit scale.
+constexpr unsigned kSymbolShift = 15;  ///< scale of symbol frequencies
+constexpr unsigned kBitShift = 13;     ///< scale of bit probabilities
+
+/// Adaptive frequencies of 2 to `Most` symbols, 15-bit scale.
+template <unsigned Most>
 class SymbolModel
 {
 public:
-    explicit SymbolModel(unsigned symbols);
-
-    unsigned symbols() const { return unsigned(m_counts.size()); }
+    explicit SymbolModel(unsigned symbols = Most) { reset(symbols); }
+    /// All symbols are equally frequent again.
+    void reset(unsigned symbols = Most)
+    {
+        m_symbols = symbols;
+        m_last = 0;
+        std::fill_n(m_counts.begin(), symbols, std::uint16_t(1));
+        m_below.fill(kNever);
+        m_coarse.fill(kNever);
+        m_total = 0;
+        m_cycle = symbols;
+        rescale();
+        m_untilUpdate = m_cycle = (symbols + 6) / 2;
+    }
+    unsigned symbols() const noexcept { return m_symbols; }
+    /// The symbol that came last: with few symbols in use it mostly comes again.
+    unsigned last() const noexcept { return m_last; }
     /// Cumulative frequency below `symbol`.
-    std::uint32_t below(unsigned symbol) const { return m_below[symbol]; }
-    void count(unsigned symbol);
+    std::uint32_t below(unsigned symbol) const noexcept { return std::uint16_t(m_below[symbol]); }
+    /// The last symbol whose range begins at or below `target`, which is at most INT16_MAX.
+    unsigned find(std::uint32_t target) const noexcept
+    {
+        unsigned at = 0;
+        if constexpr (kBlocks > 1) {
+            for (unsigned k = 0; k < kCoarse; k += kLanes) at += notAbove(&m_coarse[k], target);
+            at = (std::min(at, kBlocks) - 1) * kLanes;
+        }
+        at += notAbove(&m_below[at], target) - 1;
+        return std::min(at, m_symbols - 1);
+    }
+    void count(unsigned symbol) noexcept
+    {
+        m_last = symbol;
+        ++m_counts[symbol];
+        if (--m_untilUpdate == 0) rescale();
+    }
 
 private:
-    void rescale();
-    std::vector<std::uint32_t> m_counts;
-    std::vector<std::uint32_t> m_below;
+    static constexpr unsigned kLanes = 16;
+    static constexpr unsigned kBlocks = (Most + kLanes - 1) / kLanes;
+    static constexpr unsigned kCoarse = (kBlocks + kLanes - 1) / kLanes * kLanes;
+    static constexpr std::int16_t kNever = INT16_MAX;
+
+    /// How many of sixteen rising values are at or below `target`.
+    static unsigned notAbove(const std::int16_t* values, std::uint32_t target) noexcept
+    {
+#if defined(__SSE2__)
+        const __m128i t = _mm_set1_epi16(std::int16_t(target));
+        const auto* v = reinterpret_cast<const __m128i*>(values);
+        const __m128i above =
+            _mm_packs_epi16(_mm_cmpgt_epi16(_mm_load_si128(v), t), _mm_cmpgt_epi16(_mm_load_si128(v + 1), t));
+        return unsigned(std::countr_zero(unsigned(_mm_movemask_epi8(above)) | 0x10000u));
+#else
+        unsigned n = 0;
+        for (unsigned k = 0; k < kLanes; ++k) n += unsigned(values[k] <= std::int32_t(target));
+        return n;
+#endif
+    }
+    void rescale() noexcept
+    {
+        m_total += m_cycle;
+        if (m_total > (1u << kSymbolShift)) {
+            m_total = 0;
+            for (unsigned k = 0; k < m_symbols; ++k) m_total += m_counts[k] = std::uint16_t((m_counts[k] + 1u) / 2);
+        }
+        const std::uint32_t scale = 0x80000000u / m_total;
+        std::uint32_t sum = 0;
+        for (unsigned k = 0; k < m_symbols; ++k) {
+            m_below[k] = std::int16_t((scale * sum) >> (31 - kSymbolShift));
+            sum += m_counts[k];
+        }
+        if constexpr (kBlocks > 1)
+            for (unsigned k = 0; k < m_symbols; k += kLanes) m_coarse[k / kLanes] = m_below[k];
+        m_cycle = std::min(m_cycle * 5 / 4, (m_symbols + 6) * 8);
+        m_untilUpdate = m_cycle;
+    }
+
+    alignas(16) std::array<std::int16_t, kBlocks * kLanes> m_below;
+    alignas(16) std::array<std::int16_t, kCoarse> m_coarse;  ///< every sixteenth of m_below
+    std::array<std::uint16_t, Most> m_counts;
+    unsigned m_symbols = 0;
+    unsigned m_last = 0;
     std::uint32_t m_total = 0;
     std::uint32_t m_cycle = 0;
     std::uint32_t m_untilUpdate = 0;
@@ -37,10 +125,17 @@ private:
 class BitModel
 {
 public:
-    std::uint32_t zero() const { return m_zeroProbability; }
-    void count(bool bit);
+    void reset() { *this = BitModel(); }
+    std::uint32_t zero() const noexcept { return m_zeroProbability; }
+    void count(bool bit) noexcept
+    {
+        if (!bit) ++m_zeroCount;
+        if (--m_untilUpdate == 0) rescale();
+    }
 
 private:
+    void rescale() noexcept;
+
     std::uint32_t m_zeroCount = 1;
     std::uint32_t m_bitCount = 2;
     std::uint32_t m_zeroProbability = 1u << 12;
@@ -48,15 +143,158 @@ private:
     std::uint32_t m_untilUpdate = 4;
 };
 
-/// Models shared by writing and reading of integers.
+/// Models of integers of `Bits` bits, coded as differences to a prediction in one of `Contexts`.
+template <unsigned Bits, unsigned Contexts>
 struct IntegerModels {
-    IntegerModels();
-    std::array<SymbolModel, 2> lengths;  ///< bits of the difference, per context
-    BitModel tiny;                       ///< differences 0 and 1
-    std::vector<SymbolModel> high;       ///< top bits of differences of k bits, at [k - 1]
+    static constexpr unsigned kHighBits = 8;  ///< bits of a difference that are coded with a model
+
+    IntegerModels() { reset(); }
+    void reset()
+    {
+        for (auto& m : lengths) m.reset();
+        tiny.reset();
+        for (unsigned k = 1; k <= Bits; ++k) high[k - 1].reset(1u << std::min(k, kHighBits));
+        length = 0;
+    }
+
+    std::array<SymbolModel<Bits + 1>, Contexts> lengths;  ///< bits of the difference, per context
+    BitModel tiny;                                        ///< differences 0 and 1
+    std::array<SymbolModel<1u << kHighBits>, Bits> high;  ///< top bits of differences of k bits, at [k - 1]
+    unsigned length = 0;                                  ///< bits of the difference decoded last
 };
 
-/// Writes 32-bit integers as differences to a prediction.
+/// Takes symbols, bits and integers from compressed bytes. Reading past the end gives zeros; no input is an error
+/// at once, see damaged().
+class RangeDecoder
+{
+public:
+    /// Bytes that must be readable behind the end.
+    static constexpr std::size_t kReadAhead = 8;
+
+    RangeDecoder() = default;
+    /// `bytes` must stay, and kReadAhead zeros follow them in memory.
+    explicit RangeDecoder(std::span<const std::byte> bytes) noexcept
+        : m_at(bytes.data()), m_begin(bytes.data()), m_end(bytes.data() + bytes.size())
+    {
+        for (int k = 0; k < 4; ++k) {
+            m_value = (m_value << 8) | (m_at < m_end ? std::uint32_t(*m_at) : 0);
+            ++m_at;
+        }
+        if (m_at > m_end + 1) m_at = m_end + 1;
+        m_impossible = m_value == m_length;
+    }
+    /// Bytes taken so far; one more than there are when more were asked for.
+    std::size_t taken() const noexcept { return std::size_t(m_at - m_begin); }
+    /// The bytes hold what no encoder writes.
+    bool impossible() const noexcept { return m_impossible; }
+    /// That, or more bytes were asked for than there are.
+    bool damaged() const noexcept { return m_impossible || m_at > m_end; }
+
+    template <unsigned Most>
+    unsigned symbol(SymbolModel<Most>& model) noexcept
+    {
+        const std::uint32_t step = m_length >> kSymbolShift;
+        return take(model, model.find(std::min<std::uint32_t>(m_value / step, INT16_MAX)), step);
+    }
+    /// The same, faster where the symbol that came last mostly comes again.
+    template <unsigned Most>
+    unsigned likelySymbol(SymbolModel<Most>& model) noexcept
+    {
+        const std::uint32_t step = m_length >> kSymbolShift;
+        const unsigned last = model.last();
+        const std::uint32_t x = model.below(last) * step;
+        const std::uint32_t y = last + 1 < model.symbols() ? model.below(last + 1) * step : m_length;
+        if (m_value - x < y - x) [[likely]]
+            return take(model, last, step);
+        return take(model, model.find(std::min<std::uint32_t>(m_value / step, INT16_MAX)), step);
+    }
+    bool bit(BitModel& model) noexcept
+    {
+        const std::uint32_t x = model.zero() * (m_length >> kBitShift);
+        const bool bit = m_value >= x;
+        m_value -= bit ? x : 0;
+        m_length = bit ? m_length - x : x;
+        renormalize();
+        model.count(bit);
+        return bit;
+    }
+    /// 1 to 32 bits that all come equally often.
+    std::uint32_t bits(unsigned n) noexcept
+    {
+        if (n > kDirectBits) {
+            const std::uint32_t low = bits(16);
+            return (bits(n - 16) << 16) | low;
+        }
+        m_length >>= n;
+        const std::uint32_t most = (1u << n) - 1;
+        std::uint32_t value = m_value / m_length;
+        if (value > most) {
+            m_impossible = true;
+            value = most;
+        }
+        m_value -= value * m_length;
+        renormalize();
+        return value;
+    }
+    /// 32 bits, the lower half first.
+    std::uint32_t word() noexcept
+    {
+        const std::uint32_t low = bits(16);
+        return (bits(16) << 16) | low;
+    }
+    /// An integer near `predicted`. With less than 32 bits only as many of the result mean something.
+    template <unsigned Bits, unsigned Contexts>
+    std::int32_t integer(IntegerModels<Bits, Contexts>& models, std::int32_t predicted, unsigned context) noexcept
+    {
+        constexpr unsigned kHigh = IntegerModels<Bits, Contexts>::kHighBits;
+        const unsigned k = models.length = likelySymbol(models.lengths[context]);
+        std::uint32_t difference = 0x80000000u;
+        if (k == 0) {
+            difference = bit(models.tiny) ? 1 : 0;
+        } else if (k < 32) {
+            std::uint32_t folded = symbol(models.high[k - 1]);
+            if (k > kHigh) folded = (folded << (k - kHigh)) | bits(k - kHigh);
+            // the upper half of the 2^k values are the positive ones
+            difference = folded >= (1u << (k - 1)) ? folded + 1 : folded - ((1u << k) - 1);
+        }
+        return std::int32_t(std::uint32_t(predicted) + difference);
+    }
+
+private:
+    static constexpr unsigned kDirectBits = 19;  ///< most bits taken without a model at once
+
+    template <unsigned Most>
+    unsigned take(SymbolModel<Most>& model, unsigned symbol, std::uint32_t step) noexcept
+    {
+        const std::uint32_t x = model.below(symbol) * step;
+        const std::uint32_t y = symbol + 1 < model.symbols() ? model.below(symbol + 1) * step : m_length;
+        m_value -= x;
+        m_length = y - x;
+        renormalize();
+        model.count(symbol);
+        return symbol;
+    }
+    /// Takes whole bytes until the length has its upper eight bits again: none, one, two or three.
+    void renormalize() noexcept
+    {
+        const unsigned shift = unsigned(std::countl_zero(m_length)) & 24u;
+        std::uint32_t next;
+        std::memcpy(&next, m_at, sizeof next);
+        const std::uint64_t both = (std::uint64_t(m_value) << 32) | __builtin_bswap32(next);
+        m_value = std::uint32_t((both << shift) >> 32);
+        m_length <<= shift;
+        m_at = std::min(m_at + shift / 8, m_end + 1);
+    }
+
+    std::uint32_t m_value = 0;
+    std::uint32_t m_length = 0xFFFFFFFFu;
+    const std::byte* m_at = nullptr;
+    const std::byte* m_begin = nullptr;
+    const std::byte* m_end = nullptr;
+    bool m_impossible = false;
+};
+
+/// Writes 32-bit integers as differences to a prediction, two contexts: what the chunk table needs.
 class IntegerEncoder
 {
 public:
@@ -65,13 +303,14 @@ public:
     std::vector<std::byte> finish();
 
 private:
-    void putSymbol(SymbolModel& model, unsigned symbol);
+    template <unsigned Most>
+    void putSymbol(SymbolModel<Most>& model, unsigned symbol);
     void putBit(BitModel& model, bool bit);
     void putBits(unsigned bits, std::uint32_t value);
     void add(std::uint32_t amount);
     void renormalize();
 
-    IntegerModels m_models;
+    IntegerModels<32, 2> m_models;
     std::uint32_t m_base = 0;
     std::uint32_t m_length = 0xFFFFFFFFu;
     std::vector<std::byte> m_bytes;
@@ -82,22 +321,17 @@ class IntegerDecoder
 {
 public:
     explicit IntegerDecoder(std::span<const std::byte> bytes);
-    std::int32_t decode(std::int32_t predicted, unsigned context);
-    bool overrun() const noexcept { return m_overrun; }
+    std::int32_t decode(std::int32_t predicted, unsigned context)
+    {
+        return m_decoder.integer(m_models, predicted, context);
+    }
+    bool overrun() const noexcept { return m_decoder.taken() > m_size; }
 
 private:
-    unsigned getSymbol(SymbolModel& model);
-    bool getBit(BitModel& model);
-    std::uint32_t getBits(unsigned bits);
-    void renormalize();
-    std::uint32_t nextByte();
-
-    IntegerModels m_models;
-    std::span<const std::byte> m_bytes;
-    std::size_t m_at = 0;
-    std::uint32_t m_value = 0;
-    std::uint32_t m_length = 0xFFFFFFFFu;
-    bool m_overrun = false;
+    std::size_t m_size;
+    std::vector<std::byte> m_bytes;
+    IntegerModels<32, 2> m_models;
+    RangeDecoder m_decoder;
 };
 
 }  // namespace punctum::las

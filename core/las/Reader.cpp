@@ -78,7 +78,12 @@ struct Reader::Impl {
     ParsedFile parsed;
 
     void visitPlain(Shared& shared) const;
-    void visitChunk(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const;
+    /// What a worker keeps from chunk to chunk.
+    struct ChunkWorker {
+        std::vector<std::byte> data, records;
+        std::unique_ptr<PointDecoder> decoder;
+    };
+    void visitChunk(const Chunk& chunk, ChunkWorker& worker, Shared& shared) const;
     void visitStream(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const;
     void decode(PointDecoder& decoder, const Chunk& chunk, bool checkEnd, std::vector<std::byte>& scratch,
                 Shared& shared) const;
@@ -175,20 +180,24 @@ void Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, bool checkE
     }
 }
 
-void Reader::Impl::visitChunk(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const
+void Reader::Impl::visitChunk(const Chunk& chunk, ChunkWorker& worker, Shared& shared) const
 {
-    std::vector<std::byte> data(std::size_t(chunk.bytes));
-    file.readAt(chunk.offset, data);
+    worker.data.resize(std::size_t(chunk.bytes));
+    file.readAt(chunk.offset, worker.data);
     if (parsed.laz.compressor == LazInfo::Layered) {
-        const std::string why = checkLayeredChunk(data, parsed.laz, std::uint32_t(chunk.count));
+        const std::string why = checkLayeredChunk(worker.data, parsed.laz, std::uint32_t(chunk.count));
         if (!why.empty()) {
             shared.miss({chunk.first, chunk.first + chunk.count}, why);
             shared.progress.add(chunk.count);
             return;
         }
     }
-    PointDecoder decoder(parsed.laz, data, chunk.count);
-    decode(decoder, chunk, !chunk.cut, scratch, shared);
+    if (worker.decoder)
+        worker.decoder->restart(worker.data);
+    else
+        worker.decoder = std::make_unique<PointDecoder>(parsed.laz, worker.data, chunk.count);
+    decode(*worker.decoder, chunk, !chunk.cut, worker.records, shared);
+    if (!worker.decoder->reusable()) worker.decoder.reset();
 }
 
 void Reader::Impl::visitStream(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const
@@ -205,13 +214,13 @@ ReadResult Reader::Impl::visit(Progress& progress, const Receiver& receiver) con
     } else {
         const bool stream = parsed.laz.compressor == LazInfo::Pointwise;
         const std::vector<std::uint32_t> order = spreadOrder(std::uint32_t(parsed.chunks.size()));
-        forEachInOrder(order.size(), [&](std::vector<std::byte>& scratch, std::size_t turn) {
+        forEachInOrder<ChunkWorker>(order.size(), [&](ChunkWorker& worker, std::size_t turn) {
             progress.check();
             const Chunk& chunk = parsed.chunks[order[turn]];
             if (stream)
-                visitStream(chunk, scratch, shared);
+                visitStream(chunk, worker.records, shared);
             else
-                visitChunk(chunk, scratch, shared);
+                visitChunk(chunk, worker, shared);
         });
     }
     progress.check();
