@@ -149,6 +149,8 @@ void MainMenu::makeView()
     m_samples = new QActionGroup(this);
     choice(samples, m_samples, tr("&1, fast"), 1);
     choice(samples, m_samples, tr("&4, smooth"), 4);
+    choice(samples, m_samples, tr("&8, smoother"), 8);
+    choice(samples, m_samples, tr("1&6, smoothest, slow"), 16);
     connect(m_samples, &QActionGroup::triggered, &settings,
             [&settings](const QAction* a) { settings.setSamples(a->data().toInt()); });
     QMenu* background = menu->addMenu(tr("&Background"));

@@ -52,7 +52,7 @@ void ViewSettings::setPointSize(double px)
 
 void ViewSettings::setSamples(int samples)
 {
-    samples = samples > 1 ? 4 : 1;
+    samples = render::kSampleCounts[render::sampleCountIndex(samples)];
     if (samples == m_display.samples) return;
     m_display.samples = samples;
     notify();

@@ -158,9 +158,9 @@ void addBenchRender(CLI::App& bench, Action& action)
     addBenchOptions(command, *options);
     addBackendOption(command, options->backend);
     command.add_option("--size", options->size, "Width and height in px; default 1280x800")->type_name("WxH");
-    command.add_option("--samples", options->samples, "Samples a pixel: 1 or 4; default 1")
+    command.add_option("--samples", options->samples, "Samples a pixel: 1, 4, 8 or 16; default 1")
         ->type_name("N")
-        ->check(CLI::IsMember({1, 4}));
+        ->check(CLI::IsMember({1, 4, 8, 16}));
     command.callback([options, &action] {
         try {
             std::tie(options->width, options->height) = parseSize(options->size);

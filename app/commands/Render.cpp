@@ -192,13 +192,12 @@ void addRender(CLI::App& root, Action& action)
                     "without eye, the clouds fill the picture")
         ->type_name("FILE.json")
         ->excludes(view);
-    command.add_option("--samples", options->samples, "Samples a pixel: 1 or 4; default 4")
+    command.add_option("--samples", options->samples, "Samples a pixel: 1, 4, 8 or 16; default 4")
         ->type_name("N")
         ->check([](const std::string& n) {
-            if (n == "1" || n == "4") return std::string();
-            if (n == "8" || n == "16")
-                return std::string("8 and 16 samples are not there in this version; use 1 or 4.");
-            return std::string("A pixel has 1 or 4 samples.");
+            for (const int count : render::kSampleCounts)
+                if (n == std::to_string(count)) return std::string();
+            return std::string("A pixel has 1, 4, 8 or 16 samples.");
         });
     command.add_option("--point-size", options->pointSize, "Edge of a point in px, 0.1 to 64; default 1")
         ->type_name("PX")

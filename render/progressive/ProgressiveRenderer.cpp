@@ -179,7 +179,8 @@ std::string ProgressiveRenderer::shownAttribute() const
 
 void ProgressiveRenderer::updateScene()
 {
-    m_size.samples = m_display.samples >= 4 ? 4 : 1;
+    m_size.samples = *std::find_if(kSampleCounts.rbegin(), kSampleCounts.rend() - 1,
+                                   [&](int count) { return count <= m_display.samples; });
     m_scene.layers.clear();
     PointId firstId = 0;
     for (const auto& entry : m_entries) {

@@ -16,13 +16,13 @@ namespace punctum::render
 
 /// What the user chose to see; belongs to the view, not to a cloud.
 struct DisplaySettings {
-    std::string attribute;             ///< name; a cloud without it keeps what it shows (first: see firstAttribute)
-    std::string colorMap;  ///< Scalar attributes; empty: suitableColorMap()
+    std::string attribute;  ///< name; a cloud without it keeps what it shows (first: see firstAttribute)
+    std::string colorMap;   ///< Scalar attributes; empty: suitableColorMap()
     std::optional<std::pair<double, double>> range;  ///< Scalar; none: 2nd to 98th percentile over all clouds
     std::array<Rgba8, 256> palette{};                ///< Class; defaults to asprsClasses()
     std::array<bool, 256> classVisible{};            ///< defaults to all
     double pointSize = 1.0;                          ///< px
-    int samples = 1;                                 ///< 1 or 4 a pixel
+    int samples = 1;                                 ///< a pixel; the next lower of kSampleCounts
     Rgba8 backgroundTop{38, 44, 52, 255};
     Rgba8 backgroundBottom{16, 18, 22, 255};
 

@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -28,7 +29,7 @@ std::optional<BackendKind> backendFromName(std::string_view name);
 using PointId = std::uint32_t;
 constexpr PointId kNoPoint = 0xFFFFFFFFu;
 
-/// Picture size in px, and samples a pixel (1 or 4).
+/// Picture size in px, and samples a pixel: one of kSampleCounts.
 struct TargetSize {
     int width = 0;
     int height = 0;
@@ -36,10 +37,19 @@ struct TargetSize {
     friend bool operator==(const TargetSize&, const TargetSize&) = default;
 };
 
-/// Where in its pixel each sample of 4 lies, in px from the pixel's top left corner: the standard pattern of
-/// Direct3D and of most OpenGL drivers.
-constexpr std::array<std::array<float, 2>, 4> kSamples4{
-    {{0.375f, 0.125f}, {0.875f, 0.375f}, {0.125f, 0.625f}, {0.625f, 0.875f}}};
+constexpr std::array<int, 4> kSampleCounts{1, 4, 8, 16};
+/// Which of kSampleCounts it is; 0 for another number.
+std::size_t sampleCountIndex(int samples) noexcept;
+/// Throws Error when it is none of kSampleCounts.
+void checkSampleCount(int samples);
+
+/// Samples lie on a grid of so many steps a px.
+constexpr int kSampleSteps = 16;
+/// Where in its pixel a sample lies, in steps from the pixel's top left corner.
+using SamplePlace = std::uint8_t[2];
+/// The places of one pixel's samples, `samples` of them: the standard patterns of Direct3D, which most OpenGL
+/// drivers have too. `samples` is one of kSampleCounts.
+const SamplePlace* samplePlaces(int samples) noexcept;
 
 /// Maps a store's local integers to the picture, in float, exact near the eye:
 ///     q = float(local - reference)
@@ -47,14 +57,21 @@ constexpr std::array<std::array<float, 2>, 4> kSamples4{
 ///     w     = perspective ? depth : 1
 ///     x_px  = (dot(rowX.xyz, q) + rowX.w) / w  from the left edge
 ///     y_px  = (dot(rowY.xyz, q) + rowY.w) / w  from the top edge
-/// A point is drawn when depth >= nearDepth, as a square of pointSize px around (x_px, y_px): it covers each sample
-/// whose position lies in (x - s/2, x + s/2] x (y - s/2, y + s/2].
+/// A point is drawn when depth >= nearDepth, as a square of pointSize px around (x_px, y_px). Its size and its left
+/// and top edge are put on the grid of the samples (size = round(pointSize * kSampleSteps), at least 1;
+/// left = floor((x_px - size / 2) * kSampleSteps)): it covers each sample in (left, left + size], and so for y.
 struct LayerProjection {
     glm::ivec3 reference{0};
     glm::vec4 rowX{0}, rowY{0}, rowD{0};
     bool perspective = true;
     float nearDepth = 1e-6f;
     float pointSize = 1.0f;
+    /// Of the square, in steps of 1/kSampleSteps px.
+    int sizeInSteps() const noexcept
+    {
+        const float steps = pointSize * float(kSampleSteps) + 0.5f;
+        return steps >= 1.0f ? int(std::min(steps, 1e6f)) : 1;
+    }
 };
 
 /// One cloud of the view. The store is borrowed and must outlive its use by the backend.

@@ -185,7 +185,7 @@ void GlPointsBackendTest::agreesWithTheCpuBackend_data()
 //   (a converged picture; drawn in one pass, as here, these are the same);
 // - the last bit of a float: whether products and sums are rounded together, and how a reciprocal is, is up to the
 //   driver, so that points on the edge of a sample, or nearly equally deep, fall on the other side;
-// - drivers whose 4 samples lie elsewhere than kSamples4 (description() tells) differ at the rims of points.
+// - drivers whose 4 samples lie elsewhere than samplePlaces() (description() tells) differ at the rims of points.
 void GlPointsBackendTest::agreesWithTheCpuBackend()
 {
     QFETCH(QString, file);

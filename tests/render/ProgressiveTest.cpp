@@ -96,7 +96,7 @@ void ProgressiveTest::agreesWithANaiveRasterizer_data()
     QTest::addColumn<int>("samples");
     QTest::addColumn<double>("size");
     QTest::addColumn<bool>("orthographic");
-    for (const int samples : {1, 4})
+    for (const int samples : kSampleCounts)
         for (const double size : {1.0, 2.5})
             for (const bool orthographic : {false, true})
                 QTest::addRow("%d samples, %g px%s", samples, size, orthographic ? ", orthographic" : "")
@@ -131,9 +131,12 @@ void ProgressiveTest::agreesWithANaiveRasterizer()
             for (int x = int(p.x - size) - 1; x <= int(p.x + size) + 1; ++x) {
                 if (x < 0 || y < 0 || x >= w || y >= h) continue;
                 for (int s = 0; s < samples; ++s) {
-                    const double sx = x + (samples == 1 ? 0.5 : double(kSamples4[std::size_t(s)][0]));
-                    const double sy = y + (samples == 1 ? 0.5 : double(kSamples4[std::size_t(s)][1]));
-                    if (std::abs(sx - p.x) > size / 2 || std::abs(sy - p.y) > size / 2) continue;
+                    const double sx = x + samplePlaces(samples)[s][0] / double(kSampleSteps);
+                    const double sy = y + samplePlaces(samples)[s][1] / double(kSampleSteps);
+                    // the square's left and top edges lie on the grid of samples
+                    const double left = std::floor((p.x - size / 2) * 16) / 16;
+                    const double top = std::floor((p.y - size / 2) * 16) / 16;
+                    if (sx <= left || sx > left + size || sy <= top || sy > top + size) continue;
                     const auto at = std::size_t((y * w + x) * samples + s);
                     if (p.z < depth[at]) {
                         depth[at] = p.z;
@@ -158,7 +161,7 @@ void ProgressiveTest::convergedEqualsBruteForce_data()
     QTest::addColumn<double>("size");
     QTest::addColumn<bool>("orthographic");
     QTest::addColumn<int>("order");
-    for (const int samples : {1, 4})
+    for (const int samples : {1, 4, 16})
         for (const double size : {1.0, 3.0})
             for (const bool orthographic : {false, true})
                 for (const OrderKind order : {OrderKind::Prime, OrderKind::Stratified})

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "render/raster/cpu/CpuBackend.h"
 
+#include "core/Error.h"
 #include "render/raster/LayerLookup.h"
 #include "render/resolve/CpuResolve.h"
 
@@ -11,10 +12,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
-#include <cmath>
-#include <cstring>
 
 namespace punctum::render
 {
@@ -23,85 +21,36 @@ namespace
 {
 
 constexpr std::uint64_t kEmpty = ~std::uint64_t(0);
+/// Kernels count cells in 32 bits.
+constexpr std::uint64_t kMostCells = 0xFFFFFFFFu;
 
 /// Slots a task draws: long enough to hide scheduling, short enough to share a run among threads.
 constexpr std::size_t kDrawGrain = 8192;
-/// How far ahead memory is asked for: about the number of cache lines a core can wait for at once.
-constexpr std::size_t kPrefetchAhead = 16;
+/// How many ids ahead positions are asked for.
+constexpr std::size_t kPrefetchAhead = 64;
+/// Cells whose ids make one list when the picture is seen anew.
+constexpr std::size_t kBandCells = std::size_t(1) << 14;
 
-void atomicMin(std::uint64_t& cell, std::uint64_t key) noexcept
-{
-    const std::atomic_ref<std::uint64_t> atomic(cell);
-    std::uint64_t seen = atomic.load(std::memory_order_relaxed);
-    while (key < seen && !atomic.compare_exchange_weak(seen, key, std::memory_order_relaxed)) {
-    }
-}
-
-/// Everything a splat needs to know of the target and the layer.
-struct Splat {
-    std::uint64_t* cells;
-    int width, height, samples;
-    float half;  ///< of the point size, px
+/// Everything that drawing a layer needs.
+struct Drawing {
+    KernelChoice kernel;
+    ProjectArguments arguments;
+    SplatTarget target;
+    const LocalPosition* positions;
+    PointId firstId;
     const std::uint8_t* classes;
     const bool* classVisible;  ///< null: all are
 };
 
-/// Splats of one pixel at one sample a pixel, by far the commonest: kept points lie inside the picture.
-void splatPixels(const Splat& s, const ProjectedBlock& block, std::size_t kept, const PointId* ids, PointId firstId)
-{
-    std::size_t at[kProjectBlock];
-    std::uint64_t key[kProjectBlock];
-    std::size_t n = 0;
-    for (std::size_t k = 0; k < kept; ++k) {
-        const PointId id = ids[block.index[k]];
-        at[n] = std::size_t(int(block.y[k])) * std::size_t(s.width) + std::size_t(int(block.x[k]));
-        key[n] = std::uint64_t(block.depth[k]) << 32 | id;
-        n += s.classVisible == nullptr || s.classVisible[s.classes[id - firstId]];
-    }
-    for (std::size_t k = 0; k < std::min(n, kPrefetchAhead); ++k) __builtin_prefetch(s.cells + at[k], 1);
-    for (std::size_t k = 0; k < n; ++k) {
-        if (k + kPrefetchAhead < n) __builtin_prefetch(s.cells + at[k + kPrefetchAhead], 1);
-        atomicMin(s.cells[at[k]], key[k]);
-    }
-}
-
-/// Splats of any size at 1 or 4 samples: squares, tested at each sample's place.
-void splatSquares(const Splat& s, const ProjectedBlock& block, std::size_t kept, const PointId* ids,
-                  PointId firstId)
-{
-    for (std::size_t k = 0; k < kept; ++k) {
-        const PointId id = ids[block.index[k]];
-        if (s.classVisible != nullptr && !s.classVisible[s.classes[id - firstId]]) continue;
-        const std::uint64_t key = std::uint64_t(block.depth[k]) << 32 | id;
-        for (int sample = 0; sample < s.samples; ++sample) {
-            const float ox = s.samples == 1 ? 0.5f : kSamples4[std::size_t(sample)][0];
-            const float oy = s.samples == 1 ? 0.5f : kSamples4[std::size_t(sample)][1];
-            const int x0 = std::max(0, int(std::floor(block.x[k] - s.half - ox)) + 1);
-            const int x1 = std::min(s.width - 1, int(std::floor(block.x[k] + s.half - ox)));
-            const int y0 = std::max(0, int(std::floor(block.y[k] - s.half - oy)) + 1);
-            const int y1 = std::min(s.height - 1, int(std::floor(block.y[k] + s.half - oy)));
-            for (int y = y0; y <= y1; ++y)
-                for (int x = x0; x <= x1; ++x)
-                    atomicMin(
-                        s.cells[(std::size_t(y) * std::size_t(s.width) + std::size_t(x)) * std::size_t(s.samples) +
-                                std::size_t(sample)],
-                        key);
-        }
-    }
-}
-
-struct Drawing {
-    ProjectArguments arguments;
-    Splat splat;
-    bool pixels;  ///< splatPixels serves
-};
-
-Drawing prepare(const FrameScene& scene, std::size_t layer, const TargetSize& size, std::uint64_t* cells)
+Drawing prepare(const KernelChoice& kernel, const FrameScene& scene, std::size_t layer, const TargetSize& size,
+                std::uint64_t* cells)
 {
     const Layer& l = scene.layers[layer];
     const LayerProjection& p = l.projection;
     Drawing d{};
-    d.pixels = size.samples == 1 && p.pointSize == 1.0f;
+    d.kernel = kernel;
+    d.target = {cells, size.width, size.height, size.samples, p.sizeInSteps(), samplePlaces(size.samples)};
+    const bool pixels = size.samples == 1 && d.target.size == kSampleSteps;
     for (int k = 0; k < 4; ++k) {
         d.arguments.rowX[k] = p.rowX[k];
         d.arguments.rowY[k] = p.rowY[k];
@@ -110,31 +59,58 @@ Drawing prepare(const FrameScene& scene, std::size_t layer, const TargetSize& si
     for (int k = 0; k < 3; ++k) d.arguments.reference[k] = p.reference[k];
     d.arguments.perspective = p.perspective;
     d.arguments.nearDepth = p.nearDepth;
-    const float margin = d.pixels ? 0.0f : p.pointSize / 2 + 1;
+    const float margin = pixels ? 0.0f : p.pointSize / 2 + 1;
     d.arguments.lowX = d.arguments.lowY = -margin;
     d.arguments.highX = float(size.width) + margin;
     d.arguments.highY = float(size.height) + margin;
-    d.splat = {cells,
-               size.width,
-               size.height,
-               size.samples,
-               p.pointSize / 2,
-               l.store->classes().data(),
-               scene.allClassesVisible ? nullptr : scene.classVisible.data()};
+    d.positions = l.store->positions().data();
+    d.firstId = l.firstId;
+    d.classes = l.store->classes().data();
+    d.classVisible = scene.allClassesVisible ? nullptr : scene.classVisible.data();
     return d;
 }
 
-void splat(const Drawing& d, const ProjectedBlock& block, std::size_t kept, const PointId* ids, PointId firstId)
+/// Leaves in the block what the scene shows of it.
+std::size_t keepShown(const Drawing& d, ProjectedBlock& block, std::size_t count)
 {
-    if (d.pixels)
-        splatPixels(d.splat, block, kept, ids, firstId);
-    else
-        splatSquares(d.splat, block, kept, ids, firstId);
+    if (d.classVisible == nullptr) return count;
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        const PointId id = block.id[k];
+        block.x[kept] = block.x[k];
+        block.y[kept] = block.y[k];
+        block.depth[kept] = block.depth[k];
+        block.id[kept] = id;
+        kept += d.classVisible[d.classes[id - d.firstId]];
+    }
+    return kept;
+}
+
+void splat(const Drawing& d, ProjectedBlock& block, std::size_t count)
+{
+    d.kernel.splat(d.target, block, keepShown(d, block, count));
+}
+
+void drawIds(const Drawing& d, std::span<const PointId> ids)
+{
+    ProjectedBlock block;
+    LocalPosition gathered[kProjectBlock + 8];
+    for (std::size_t at = 0; at < ids.size(); at += kProjectBlock) {
+        const std::size_t count = std::min(kProjectBlock, ids.size() - at);
+        for (std::size_t k = 0; k < count; ++k) {
+            if (at + k + kPrefetchAhead < ids.size())
+                __builtin_prefetch(d.positions + (ids[at + k + kPrefetchAhead] - d.firstId));
+            gathered[k] = d.positions[ids[at + k] - d.firstId];
+        }
+        const std::size_t kept = d.kernel.project(&gathered[0].x, count, 0, d.arguments, block);
+        for (std::size_t k = 0; k < kept; ++k) block.id[k] = ids[at + block.id[k]];
+        splat(d, block, kept);
+    }
 }
 
 }  // namespace
 
-CpuBackend::CpuBackend() : m_kernel(chooseKernel()) {}
+CpuBackend::CpuBackend(const KernelChoice& kernel) : m_kernel(kernel) {}
 
 std::string CpuBackend::description() const
 {
@@ -144,21 +120,29 @@ std::string CpuBackend::description() const
 
 void CpuBackend::setTarget(const TargetSize& size)
 {
+    checkSampleCount(size.samples);
+    const std::uint64_t cells =
+        std::uint64_t(size.width) * std::uint64_t(size.height) * std::uint64_t(size.samples);
+    if (cells >= kMostCells)
+        throw Error("A picture of " + std::to_string(size.width) + " x " + std::to_string(size.height) +
+                    " px with " + std::to_string(size.samples) +
+                    " samples a pixel is too large. Ask for fewer of either.");
+    if (m_cells.size() != (cells + 1) * 8) m_cells = Buffer((cells + 1) * 8);
     m_size = size;
-    const std::size_t bytes = std::size_t(size.width) * std::size_t(size.height) * std::size_t(size.samples) * 8;
-    if (m_cells.size() != bytes) m_cells = Buffer(bytes);
     clear();
+    cellSpan().data()[cells] = 0;  // SplatTarget
 }
 
 std::span<const std::uint64_t> CpuBackend::cells() const noexcept
 {
-    return {reinterpret_cast<const std::uint64_t*>(m_cells.data()), m_cells.size() / 8};
+    return {reinterpret_cast<const std::uint64_t*>(m_cells.data()),
+            m_cells.size() == 0 ? 0 : m_cells.size() / 8 - 1};
 }
 
 void CpuBackend::clear()
 {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, m_cells.size(), std::size_t(1) << 18),
-                      [&](const auto& r) { std::memset(m_cells.data() + r.begin(), 0xFF, r.size()); });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells().size(), std::size_t(1) << 15),
+                      [&](const auto& r) { std::fill_n(cellSpan().data() + r.begin(), r.size(), kEmpty); });
 }
 
 void CpuBackend::visibleIds(std::vector<PointId>& out)
@@ -180,59 +164,39 @@ void CpuBackend::visibleIds(std::vector<PointId>& out)
 void CpuBackend::reproject(const FrameScene& scene)
 {
     // One pass takes the ids out and leaves the buffer empty; ids of a layer stay together.
-    using Lists = std::vector<std::vector<PointId>>;
-    tbb::enumerable_thread_specific<Lists> parts([&] { return Lists(scene.layers.size()); });
-    std::uint64_t* const cell = cellData();
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells().size(), 1 << 15), [&](const auto& r) {
-        Lists& lists = parts.local();
+    const std::size_t layers = scene.layers.size(), bands = (cells().size() + kBandCells - 1) / kBandCells;
+    if (m_bands.size() < bands * layers) m_bands.resize(bands * layers);
+    tbb::parallel_for(std::size_t(0), bands, [&](std::size_t band) {
+        std::vector<PointId>* const lists = m_bands.data() + band * layers;
+        for (std::size_t layer = 0; layer < layers; ++layer) lists[layer].clear();
         LayerLookup lookup(scene);
         PointId last = kNoPoint;
-        for (std::size_t k = r.begin(); k != r.end(); ++k) {
-            const auto id = PointId(cell[k]);
-            cell[k] = kEmpty;
-            if (id == last || id == kNoPoint) continue;
+        const auto part = cellSpan().subspan(band * kBandCells);
+        for (std::uint64_t& cell : part.first(std::min(kBandCells, part.size()))) {
+            const auto id = PointId(cell);
+            cell = kEmpty;
+            if (id == last || id == kNoPoint || layers == 0) continue;
             last = id;
             lists[lookup.layerOf(id)].push_back(id);
         }
     });
-    for (std::size_t layer = 0; layer < scene.layers.size(); ++layer)
-        for (const Lists& lists : parts) drawIds(scene, layer, lists[layer]);
-}
-
-void CpuBackend::drawIds(const FrameScene& scene, std::size_t layer, std::span<const PointId> ids)
-{
-    const Drawing d = prepare(scene, layer, m_size, cellData());
-    const LocalPosition* const positions = scene.layers[layer].store->positions().data();
-    const PointId firstId = scene.layers[layer].firstId;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ids.size(), kDrawGrain), [&](const auto& r) {
-        ProjectedBlock block;
-        LocalPosition gathered[kProjectBlock + 8];
-        for (std::size_t at = r.begin(); at < r.end(); at += kProjectBlock) {
-            const std::size_t count = std::min(kProjectBlock, r.end() - at);
-            for (std::size_t k = 0; k < count; ++k) {
-                if (at + k + kPrefetchAhead < r.end())
-                    __builtin_prefetch(positions + (ids[at + k + kPrefetchAhead] - firstId));
-                gathered[k] = positions[ids[at + k] - firstId];
-            }
-            const std::size_t kept = m_kernel.project(&gathered[0].x, count, d.arguments, block);
-            splat(d, block, kept, ids.data() + at, firstId);
-        }
-    });
+    for (std::size_t layer = 0; layer < layers; ++layer) {
+        const Drawing d = prepare(m_kernel, scene, layer, m_size, cellSpan().data());
+        tbb::parallel_for(std::size_t(0), bands,
+                          [&](std::size_t band) { drawIds(d, m_bands[band * layers + layer]); });
+    }
 }
 
 void CpuBackend::draw(const FrameScene& scene, std::size_t layer, SlotRange slots)
 {
-    const Drawing d = prepare(scene, layer, m_size, cellData());
-    const LocalPosition* const positions = scene.layers[layer].store->positions().data();
-    const PointId firstId = scene.layers[layer].firstId;
+    const Drawing d = prepare(m_kernel, scene, layer, m_size, cellSpan().data());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(slots.first, slots.last, kDrawGrain), [&](const auto& r) {
         ProjectedBlock block;
-        PointId ids[kProjectBlock];
         for (std::size_t at = r.begin(); at < r.end(); at += kProjectBlock) {
             const std::size_t count = std::min(kProjectBlock, r.end() - at);
-            for (std::size_t k = 0; k < count; ++k) ids[k] = firstId + PointId(at + k);
-            const std::size_t kept = m_kernel.project(&positions[at].x, count, d.arguments, block);
-            splat(d, block, kept, ids, firstId);
+            const std::size_t kept =
+                m_kernel.project(&d.positions[at].x, count, d.firstId + PointId(at), d.arguments, block);
+            splat(d, block, kept);
         }
     });
 }

@@ -16,7 +16,8 @@ namespace punctum::render
 class CpuBackend final : public RasterBackend
 {
 public:
-    CpuBackend();
+    /// `kernel`: tests try each.
+    explicit CpuBackend(const KernelChoice& kernel = chooseKernel());
 
     BackendKind kind() const noexcept override { return BackendKind::Cpu; }
     std::string description() const override;
@@ -36,12 +37,15 @@ public:
     std::span<const std::uint64_t> cells() const noexcept;
 
 private:
-    std::uint64_t* cellData() noexcept { return reinterpret_cast<std::uint64_t*>(m_cells.data()); }
-    void drawIds(const FrameScene& scene, std::size_t layer, std::span<const PointId> ids);
+    std::span<std::uint64_t> cellSpan() noexcept
+    {
+        return {reinterpret_cast<std::uint64_t*>(m_cells.data()), cells().size()};
+    }
 
     KernelChoice m_kernel;
     TargetSize m_size;
-    Buffer m_cells;
+    Buffer m_cells;                             ///< one more than cells(): see SplatTarget
+    std::vector<std::vector<PointId>> m_bands;  ///< of reproject(), kept so that memory is not asked for each frame
 };
 
 }  // namespace punctum::render

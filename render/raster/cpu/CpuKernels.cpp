@@ -1,14 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include "render/raster/cpu/CpuKernels.h"
 
+#include "render/raster/cpu/splat.inl"
+
 #include <bit>
 
 namespace punctum::render
 {
 
-std::size_t projectBaseline(const std::int32_t* positions, std::size_t count, const ProjectArguments& a,
-                            ProjectedBlock& out)
+namespace
 {
+
+constexpr std::size_t kAheadBytes = 1536;  // as in CpuKernelsAvx2.cpp
+
+std::size_t project(const std::int32_t* positions, std::size_t count, std::uint32_t firstId,
+                    const ProjectArguments& a, ProjectedBlock& out)
+{
+    const auto* const bytes = reinterpret_cast<const char*>(positions);
+    for (std::size_t at = 0; at < count * 12; at += 64) __builtin_prefetch(bytes + at + kAheadBytes);
     // First loop: straight arithmetic that the compiler turns into SSE2; second: what is kept, packed.
     alignas(64) float x[kProjectBlock], y[kProjectBlock], depth[kProjectBlock];
     alignas(64) std::int32_t lx[kProjectBlock], ly[kProjectBlock], lz[kProjectBlock];
@@ -32,21 +41,35 @@ std::size_t projectBaseline(const std::int32_t* positions, std::size_t count, co
         out.x[kept] = x[i];
         out.y[kept] = y[i];
         out.depth[kept] = std::bit_cast<std::uint32_t>(depth[i]);
-        out.index[kept] = std::uint32_t(i);
+        out.id[kept] = firstId + std::uint32_t(i);
         kept += std::size_t((lx[i] != 0) & (depth[i] >= a.nearDepth) & (x[i] >= a.lowX) & (x[i] < a.highX) &
                             (y[i] >= a.lowY) & (y[i] < a.highY));
     }
     return kept;
 }
 
+void splat(const SplatTarget& target, const ProjectedBlock& block, std::size_t count)
+{
+    splatBlock(target, block, count);
+}
+
+}  // namespace
+
+KernelChoice baselineKernel() noexcept
+{
+#if defined(__x86_64__)
+    return {project, splat, "SSE2"};
+#else
+    return {project, splat, "baseline"};
+#endif
+}
+
 KernelChoice chooseKernel() noexcept
 {
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {projectAvx2, "AVX2"};
-    return {projectBaseline, "SSE2"};
-#else
-    return {projectBaseline, "baseline"};
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {projectAvx2, splatAvx2, "AVX2"};
 #endif
+    return baselineKernel();
 }
 
 }  // namespace punctum::render

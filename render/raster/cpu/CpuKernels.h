@@ -25,24 +25,41 @@ struct ProjectedBlock {
     alignas(64) float x[kProjectBlock + 8];
     alignas(64) float y[kProjectBlock + 8];
     alignas(64) std::uint32_t depth[kProjectBlock + 8];  ///< float bits: as integers they order like the depths
-    alignas(64) std::uint32_t index[kProjectBlock + 8];  ///< place in the block of input positions
+    alignas(64) std::uint32_t id[kProjectBlock + 8];
 };
 
 /// Projects `count` (at most kProjectBlock) positions, readable 96 bytes past their end; returns how many were
-/// kept. All kernels of one machine are used alone, never mixed: they may differ in the last bit of a float.
-using ProjectKernel = std::size_t (*)(const std::int32_t* positions, std::size_t count, const ProjectArguments&,
-                                      ProjectedBlock&);
+/// kept. The i-th position gets id firstId + i. All kernels of one machine are used alone, never mixed: they may
+/// differ in the last bit of a float.
+using ProjectKernel = std::size_t (*)(const std::int32_t* positions, std::size_t count, std::uint32_t firstId,
+                                      const ProjectArguments&, ProjectedBlock&);
 
-std::size_t projectBaseline(const std::int32_t* positions, std::size_t count, const ProjectArguments& arguments,
-                            ProjectedBlock& out);
-std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, const ProjectArguments& arguments,
-                        ProjectedBlock& out);
+/// Where points are drawn.
+struct SplatTarget {
+    /// For each sample of each pixel depth bits in the high half and id in the low half; behind the last one a
+    /// cell that holds 0, nearer than all points: what lies outside of the picture is sent there, without a branch.
+    std::uint64_t* cells;
+    std::int32_t width, height, samples;
+    std::int32_t size;                ///< of the square, steps of 1/kSampleSteps px
+    const std::uint8_t (*places)[2];  ///< x, y of each sample in its pixel, same steps
+};
+
+/// Draws the first `count` points of a block: a square each, as RasterBackend defines it, by an atomic minimum of
+/// (depth, id) in each sample's cell. Any number of threads may draw into one target.
+using SplatKernel = void (*)(const SplatTarget&, const ProjectedBlock&, std::size_t count);
 
 struct KernelChoice {
     ProjectKernel project;
+    SplatKernel splat;
     const char* name;  ///< "AVX2", "SSE2"
 };
-/// The fastest kernel that this processor can run.
+/// The kernels that every processor runs.
+KernelChoice baselineKernel() noexcept;
+/// The fastest kernels that this processor runs.
 KernelChoice chooseKernel() noexcept;
+
+std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, std::uint32_t firstId,
+                        const ProjectArguments& arguments, ProjectedBlock& out);
+void splatAvx2(const SplatTarget& target, const ProjectedBlock& block, std::size_t count);
 
 }  // namespace punctum::render

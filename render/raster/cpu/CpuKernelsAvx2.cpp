@@ -4,6 +4,8 @@
 #include "render/raster/cpu/CpuKernels.h"
 
 #if defined(__x86_64__)
+#include "render/raster/cpu/splat.inl"
+
 #include <immintrin.h>
 
 namespace punctum::render
@@ -27,6 +29,10 @@ struct PackTable {
 };
 constexpr PackTable kPack;
 
+/// Bytes that positions are asked for ahead. The processor's own guesses end at each page, and the atomic
+/// operations between two blocks keep it from running ahead. 512 to 4096 measured; past the end it does no harm.
+constexpr int kAhead = 1536;
+
 inline __m256i loadHalves(const std::int32_t* low, const std::int32_t* high)
 {
     return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_loadu_si128(reinterpret_cast<const __m128i*>(low))),
@@ -48,8 +54,8 @@ inline __m256 row(const float* r, __m256 x, __m256 y, __m256 z)
 
 }  // namespace
 
-std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, const ProjectArguments& a,
-                        ProjectedBlock& out)
+std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, std::uint32_t firstId,
+                        const ProjectArguments& a, ProjectedBlock& out)
 {
     const __m256i refX = _mm256_set1_epi32(a.reference[0]), refY = _mm256_set1_epi32(a.reference[1]),
                   refZ = _mm256_set1_epi32(a.reference[2]);
@@ -58,12 +64,14 @@ std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, const 
     const __m256 lowY = _mm256_set1_ps(a.lowY), highY = _mm256_set1_ps(a.highY);
     const __m256 one = _mm256_set1_ps(1.0f);
     const __m256i eight = _mm256_set1_epi32(8);
-    __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    __m256i id = _mm256_add_epi32(_mm256_set1_epi32(int(firstId)), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < count; i += 8, lane = _mm256_add_epi32(lane, eight)) {
+    for (std::size_t i = 0; i < count; i += 8, id = _mm256_add_epi32(id, eight)) {
         // Eight x y z triples to three vectors: m0 = x0 y0 z0 x1 | x4 .., m1 = y1 z1 x2 y2 | .., m2 = z2 x3 y3 z3 |
         // ..
         const std::int32_t* p = positions + 3 * i;
+        _mm_prefetch(reinterpret_cast<const char*>(p) + kAhead, _MM_HINT_T0);
+        _mm_prefetch(reinterpret_cast<const char*>(p) + kAhead + 64, _MM_HINT_T0);
         const __m256i m0 = loadHalves(p, p + 12), m1 = loadHalves(p + 4, p + 16), m2 = loadHalves(p + 8, p + 20);
         const __m256i xy = pick<_MM_SHUFFLE(2, 1, 3, 2)>(m1, m2);  // x2 y2 x3 y3
         const __m256i yz = pick<_MM_SHUFFLE(1, 0, 2, 1)>(m0, m1);  // y0 z0 y1 z1
@@ -95,10 +103,15 @@ std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, const 
         _mm256_storeu_ps(out.y + kept, _mm256_permutevar8x32_ps(py, pack));
         _mm256_storeu_si256(reinterpret_cast<__m256i*>(out.depth + kept),
                             _mm256_permutevar8x32_epi32(_mm256_castps_si256(depth), pack));
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(out.index + kept), _mm256_permutevar8x32_epi32(lane, pack));
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(out.id + kept), _mm256_permutevar8x32_epi32(id, pack));
         kept += unsigned(__builtin_popcount(mask));
     }
     return kept;
+}
+
+void splatAvx2(const SplatTarget& target, const ProjectedBlock& block, std::size_t count)
+{
+    splatBlock(target, block, count);
 }
 
 }  // namespace punctum::render
@@ -108,10 +121,15 @@ std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, const 
 namespace punctum::render
 {
 
-std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, const ProjectArguments& a,
-                        ProjectedBlock& out)
+std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, std::uint32_t firstId,
+                        const ProjectArguments& a, ProjectedBlock& out)
 {
-    return projectBaseline(positions, count, a, out);
+    return baselineKernel().project(positions, count, firstId, a, out);
+}
+
+void splatAvx2(const SplatTarget& target, const ProjectedBlock& block, std::size_t count)
+{
+    baselineKernel().splat(target, block, count);
 }
 
 }  // namespace punctum::render

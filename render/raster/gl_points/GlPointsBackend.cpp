@@ -82,12 +82,12 @@ private:
     Slot m_chunkSlots;
     std::size_t m_blocksAFrame;
     float m_minPointSize = 1, m_maxPointSize = 1;
-    bool m_otherSamples = false;  ///< the driver's 4 samples are not kSamples4
+    bool m_otherSamples = false;  ///< the driver's samples are not where samplePlaces() has them
     GlVisibility m_visibility;
     std::unordered_map<const PointStore*, GlPointCopy> m_copies;
     std::array<GlProgram, 2> m_points;   ///< without and with the filter of classes
     std::array<GlProgram, 2> m_scatter;  ///< words; words and classes
-    std::array<GlProgram, 2> m_resolve;  ///< for 1 and 4 samples
+    std::array<GlProgram, kSampleCounts.size()> m_resolve;
     GlBuffer m_entries, m_tables;
     GlTexture m_picture, m_sums;
     float m_margin = 0, m_perPixel = 0;  ///< of the viewport, see points.vert
@@ -138,11 +138,13 @@ void GlPointsBackend::setTarget(const TargetSize& size)
     if (m_visibility.empty()) return;
     m_visibility.bindFramebuffer();
     m_otherSamples = false;
-    for (std::size_t s = 0; s < kSamples4.size() && size.samples == 4; ++s) {
+    const SamplePlace* const places = samplePlaces(size.samples);
+    for (int s = 0; s < size.samples && size.samples > 1; ++s) {
         // The picture's top is row 0 of the buffer, so both count from the same corner.
         GLfloat place[2]{};
         glGetMultisamplefv(GL_SAMPLE_POSITION, GLuint(s), place);
-        m_otherSamples = m_otherSamples || place[0] != kSamples4[s][0] || place[1] != kSamples4[s][1];
+        m_otherSamples = m_otherSamples || place[0] * kSampleSteps != float(places[s][0]) ||
+                         place[1] * kSampleSteps != float(places[s][1]);
     }
     checkGlErrors("making the picture's buffers");
 }
@@ -239,7 +241,8 @@ void GlPointsBackend::beginDrawing(const FrameScene& scene)
 void GlPointsBackend::useLayer(const Layer& layer)
 {
     const LayerProjection& p = layer.projection;
-    const float pointSize = std::clamp(p.pointSize, m_minPointSize, m_maxPointSize);
+    const float pointSize =
+        std::clamp(float(p.sizeInSteps()) / kSampleSteps, m_minPointSize, std::floor(m_maxPointSize));
     glUniform3i(0, p.reference.x, p.reference.y, p.reference.z);
     glUniform4f(1, p.rowX.x, p.rowX.y, p.rowX.z, p.rowX.w);
     glUniform4f(2, p.rowY.x, p.rowY.y, p.rowY.z, p.rowY.w);
@@ -247,7 +250,6 @@ void GlPointsBackend::useLayer(const Layer& layer)
     glUniform1i(4, p.perspective);
     glUniform1f(5, p.nearDepth);
     glUniform1f(6, pointSize);
-    glUniform1i(7, pointSize * 4 == std::floor(pointSize * 4));
 }
 
 void GlPointsBackend::draw(const FrameScene& scene, std::size_t layer, SlotRange slots)
@@ -396,7 +398,7 @@ void GlPointsBackend::scatter(const FrameScene& scene, const std::vector<bool>& 
 void GlPointsBackend::runResolve(const FrameScene& scene, const ResolveSettings& settings)
 {
     const TargetSize size = m_visibility.size();
-    GlProgram& program = m_resolve[size.samples == 1 ? 0 : 1];
+    GlProgram& program = m_resolve[sampleCountIndex(size.samples)];
     if (!program)
         program = GlProgram::compute("resolve.comp",
                                      {GlVisibility::shaderHead(size.samples), shader("resolve.comp.glsl")});

@@ -20,9 +20,8 @@ struct GlPointsLimits {
 /// texture units 0 and 1 and the numbered storage and image bindings.
 ///
 /// Differs from the CPU backend where two points of one sample are equally deep (the one drawn first stays, not the
-/// smaller id), by last bits of float arithmetic, and for point sizes that are no multiples of 1/4 px, whose edges
-/// the device rounds to 1/256 px or so. Points smaller than 1 px are drawn with 1 px, and points larger than the
-/// device can draw (255 px and more) with its largest size.
+/// smaller id), and by last bits of float arithmetic. Points smaller than 1 px are drawn with 1 px, and points
+/// larger than the device can draw (255 px and more) with its largest size.
 ///
 /// Throws Error when there is no such context.
 std::unique_ptr<RasterBackend> makeGlPointsBackend(const GlPointsLimits& limits = {});

@@ -45,7 +45,7 @@ std::string GlVisibility::shaderHead(int samples)
 
 GlVisibility::Programs& GlVisibility::programs()
 {
-    Programs& p = m_programs[m_size.samples == 1 ? 0 : 1];
+    Programs& p = m_programs[sampleCountIndex(m_size.samples)];
     if (!p.covered) {
         const std::string head = shaderHead(m_size.samples);
         p.count = GlProgram::compute("collect.comp", {head, shader("collect.comp.glsl")});
@@ -61,12 +61,10 @@ void GlVisibility::setSize(const TargetSize& size, const GlInfo& info)
     if (size.width > info.maxTextureSize || size.height > info.maxTextureSize)
         throw Error("The graphics card draws pictures of at most " + std::to_string(info.maxTextureSize) +
                     " px a side. Ask for a smaller one or choose the CPU backend.");
-    if (size.samples != 1 && size.samples != 4)
-        throw Error("Pictures have 1 or 4 samples a pixel, not " + std::to_string(size.samples) + ".");
+    checkSampleCount(size.samples);
     if (size.samples > info.maxIntegerSamples)
-        throw Error(
-            "The graphics card offers no 4 samples a pixel for point numbers. Choose 1 sample or the CPU "
-            "backend.");
+        throw Error("The graphics card offers at most " + std::to_string(info.maxIntegerSamples) +
+                    " samples a pixel for point numbers. Choose fewer samples or the CPU backend.");
     m_framebuffer.reset();
     m_ids.reset();
     m_depths.reset();

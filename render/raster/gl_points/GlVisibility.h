@@ -52,7 +52,7 @@ public:
     std::optional<RasterBackend::Hit> pick(int x, int y, int radius);
     double coveredShare();
 
-    /// "#version ..." and what the shaders that read the buffer share; samples: 1 or 4.
+    /// "#version ..." and what the shaders that read the buffer share.
     static std::string shaderHead(int samples);
 
 private:
@@ -65,7 +65,7 @@ private:
     TargetSize m_size;
     GlTexture m_ids, m_depths;
     GlFramebuffer m_framebuffer;
-    std::array<Programs, 2> m_programs;  ///< for 1 and 4 samples, made when first needed
+    std::array<Programs, kSampleCounts.size()> m_programs;  ///< made when first needed
     GlProgram m_scan;
     GlBuffer m_firstIds, m_scratch;
     std::vector<Band> m_bands;

@@ -13,8 +13,7 @@ layout(location = 2) uniform vec4 rowY;
 layout(location = 3) uniform vec4 rowD;
 layout(location = 4) uniform bool perspective;
 layout(location = 5) uniform float nearDepth;
-layout(location = 6) uniform float pointSize;  // px
-layout(location = 7) uniform bool snap;        // pointSize is a multiple of 1/4 px
+layout(location = 6) uniform float pointSize;  // px, a multiple of 1/16
 layout(location = 8) uniform vec2 pictureSize; // px
 layout(location = 9) uniform float margin;     // px between viewport and picture, at the left and at the top
 layout(location = 10) uniform float perPixel;  // clip units
@@ -45,9 +44,9 @@ void main()
     keep = keep && ((shownClasses[pointClass >> 7][(pointClass >> 5) & 3u] >> (pointClass & 31u)) & 1u) != 0u;
 #endif
 
-    // Samples lie at multiples of 1/8 px. Moving the square so that its edges lie in the middle between two of
+    // Samples lie at multiples of 1/16 px. Moving the square so that its edges lie in the middle between two of
     // these keeps what it covers, and survives the rasterizer's rounding to (usually) 1/256 px.
-    if (snap) px = (floor(8.0 * (px - halfSize)) + 0.5) * 0.125 + halfSize;
+    px = (floor(16.0 * (px - halfSize)) + 0.5) * 0.0625 + halfSize;
 
     // Reversed depth without loss: the bits of positive floats order like the floats themselves, so taking them
     // from a constant turns [2^-40, 2^86] round into (0, 1], one to one, for perspective and orthographic views.

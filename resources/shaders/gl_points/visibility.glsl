@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The visibility buffer as shaders read it: SAMPLES is 1 or 4.
+// The visibility buffer as shaders read it: SAMPLES is 1, 4, 8 or 16.
 #if SAMPLES == 1
 layout(binding = 0) uniform usampler2D ids;
 layout(binding = 1) uniform sampler2D depths;
