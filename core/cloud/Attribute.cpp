@@ -146,26 +146,64 @@ void Attribute::read(PointRange range, double* out, std::uint32_t component) con
     });
 }
 
+namespace
+{
+
+/// Indices of consecutive points, as a list would give them.
+struct Consecutive {
+    PointRange range;
+    std::size_t size() const noexcept { return std::size_t(range.size()); }
+    PointIndex operator[](std::size_t k) const noexcept { return range.first + k; }
+};
+
+template <typename Indices>
+void gatherNumbers(const Attribute& a, const Indices& indices, double bias, float* out, std::uint32_t component)
+{
+    visitScalar(a.columns[component]->type(), [&](auto zero) {
+        const RawReader<decltype(zero)> raw(a, component);
+        for (std::size_t k = 0; k < indices.size(); ++k) out[k] = float(numberOf(a, raw(indices[k])) - bias);
+    });
+}
+
+template <typename Indices>
+void gatherRawBits(const Attribute& a, const Indices& indices, std::uint32_t* out, std::uint32_t component)
+{
+    visitScalar(a.columns[component]->type(), [&](auto zero) {
+        using T = decltype(zero);
+        const RawReader<T> raw(a, component);
+        if constexpr (std::is_integral_v<T>) {
+            if (raw.width == 0 && raw.stride == 1)  // said, so that it becomes a loop over vectors
+                for (std::size_t k = 0; k < indices.size(); ++k) out[k] = std::uint32_t(raw.data[indices[k]]);
+            else
+                for (std::size_t k = 0; k < indices.size(); ++k) out[k] = std::uint32_t(raw(indices[k]));
+        } else {
+            std::fill_n(out, indices.size(), 0u);
+        }
+    });
+}
+
+}  // namespace
+
 void Attribute::gather(std::span<const std::uint32_t> indices, double bias, float* out,
                        std::uint32_t component) const
 {
-    visitScalar(columns[component]->type(), [&](auto zero) {
-        const RawReader<decltype(zero)> raw(*this, component);
-        for (const std::uint32_t i : indices) *out++ = float(numberOf(*this, raw(i)) - bias);
-    });
+    gatherNumbers(*this, indices, bias, out, component);
+}
+
+void Attribute::gather(PointRange range, double bias, float* out, std::uint32_t component) const
+{
+    gatherNumbers(*this, Consecutive{range}, bias, out, component);
 }
 
 void Attribute::gatherBits(std::span<const std::uint32_t> indices, std::uint32_t* out,
                            std::uint32_t component) const
 {
-    visitScalar(columns[component]->type(), [&](auto zero) {
-        using T = decltype(zero);
-        const RawReader<T> raw(*this, component);
-        if constexpr (std::is_integral_v<T>)
-            for (const std::uint32_t i : indices) *out++ = std::uint32_t(raw(i));
-        else
-            for (std::size_t k = 0; k < indices.size(); ++k) out[k] = 0;
-    });
+    gatherRawBits(*this, indices, out, component);
+}
+
+void Attribute::gatherBits(PointRange range, std::uint32_t* out, std::uint32_t component) const
+{
+    gatherRawBits(*this, Consecutive{range}, out, component);
 }
 
 AttributeStatistics computeStatistics(const Attribute& attribute, std::uint32_t component, Progress& progress)

@@ -69,8 +69,10 @@ struct Attribute {
     /// float(value - bias) of the points listed, into `out` (indices.size() values). The bias keeps the digits
     /// of large values such as GPS time.
     void gather(std::span<const std::uint32_t> indices, double bias, float* out, std::uint32_t component = 0) const;
+    void gather(PointRange range, double bias, float* out, std::uint32_t component = 0) const;
     /// Raw bits of integral or bit-field attributes of the points listed, cut to 32 bits.
     void gatherBits(std::span<const std::uint32_t> indices, std::uint32_t* out, std::uint32_t component = 0) const;
+    void gatherBits(PointRange range, std::uint32_t* out, std::uint32_t component = 0) const;
 };
 
 /// What can be computed of one component over all points.

@@ -19,11 +19,12 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::size_t kBlockBytes = std::size_t(5) << 18;  ///< LAS: read at once by a thread; stays in its L2 cache
-constexpr std::uint64_t kMostInBlock = 1 << 15;            ///< points, LAS
-constexpr std::uint64_t kMostInBatch = 1 << 16;            ///< points handed on at once, LAZ
-constexpr std::size_t kMostWarnings = 10;                  ///< of damaged chunks, one sentence each
-constexpr std::uint64_t kDecodeStep = 2048;                ///< points between two looks at the cancel flag
+constexpr std::size_t kBlockBytes = std::size_t(5) << 17;  ///< LAS: read at once by a thread; stays in its L2 cache
+constexpr std::size_t kSliceBytes = std::size_t(1) << 18;
+constexpr std::uint64_t kMostInBlock = 1 << 14;  ///< points, LAS
+constexpr std::uint64_t kMostInBatch = 1 << 16;  ///< points handed on at once, LAZ
+constexpr std::size_t kMostWarnings = 10;        ///< of damaged chunks, one sentence each
+constexpr std::uint64_t kDecodeStep = 2048;      ///< points between two looks at the cancel flag
 constexpr std::uint64_t kDecodeBytes = 1 << 17;  ///< LAZ: of records at once, to leave the cache to the models
 
 std::string count(std::uint64_t n)
@@ -133,10 +134,15 @@ void Reader::Impl::visitPlain(Shared& shared) const
         shared.progress.check();
         const std::uint64_t k = order[turn];
         const PointRange range{k * block, std::min((k + 1) * block, s.pointCount)};
-        scratch.resize(std::size_t(block * length));
-        const auto records = std::span(scratch).first(std::size_t(range.size() * length));
-        file.readAt(s.header.pointOffset() + range.first * length, records);
-        shared.receiver.records(range, records);
+        // read in slices, so that records, columns and what is made of them fit the cache together
+        const std::uint64_t slice = std::max<std::uint64_t>(1, std::min(block, kSliceBytes / length));
+        scratch.resize(std::size_t(slice * length));
+        for (PointIndex first = range.first; first < range.last; first += slice) {
+            const PointRange part{first, std::min(first + slice, range.last)};
+            const auto records = std::span(scratch).first(std::size_t(part.size() * length));
+            file.readAt(s.header.pointOffset() + part.first * length, records);
+            shared.receiver.records(part, records);
+        }
         shared.receiver.arrived(range);
         shared.progress.add(range.size());
     });

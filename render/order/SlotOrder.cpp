@@ -108,6 +108,8 @@ SlotOrder::SlotOrder(OrderKind kind, PointIndex points) : m_kind(kind), m_points
         m_groupBits = std::uint32_t(std::clamp(log2 / 2 - 2, 0, 10));
         const PointIndex members = PointIndex(1) << m_groupBits;
         m_window = Slot((points + members - 1) >> m_groupBits);
+        // Runs of 16 slots are then whole cache lines in every window, and can be written as such.
+        if (m_window >= 1024) m_window = (m_window + 15) / 16 * 16;
         m_slots = m_window << m_groupBits;
     }
     m_window = std::max<Slot>(m_window, 1);

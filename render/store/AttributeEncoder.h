@@ -33,8 +33,13 @@ public:
     /// Words of the points listed into `out` (indices.size() values). False when a colour does not fit into
     /// 8 bits after colorShift (it is cut to 255 then): the file has 16-bit colours.
     bool encode(std::span<const std::uint32_t> indices, std::uint32_t* out) const;
+    /// The same for consecutive points, which is faster.
+    bool encode(PointRange range, std::uint32_t* out) const;
 
 private:
+    template <typename Part>
+    bool encodeParts(std::size_t count, const Part& part, std::uint32_t* out) const;
+
     Attribute m_attribute;
     WordKind m_kind;
     double m_bias;

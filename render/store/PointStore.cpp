@@ -9,7 +9,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <cstring>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
 
 namespace punctum::render
 {
@@ -22,6 +26,8 @@ namespace
 constexpr PointIndex kPutPoints = 16384;
 /// Groups dealt out together; more only with small clouds, whose groups are small.
 constexpr std::uint32_t kMostGroups = 64;
+/// Slots that fill whole cache lines in all three arrays but the classes.
+constexpr std::uint32_t kLineSlots = 16;
 
 /// Up to this many changed points are brought up to date at once instead of being streamed.
 constexpr PointIndex kFewPoints = 200'000;
@@ -181,13 +187,95 @@ void PointStore::setBounds(const RawBounds& bounds)
     });
 }
 
+namespace
+{
+
+/// Position and word of a point side by side: one load fetches it.
+struct alignas(16) Element {
+    std::int32_t x, y, z;
+    std::uint32_t word;
+};
+
+/// Writes the slots of sixteen points past the caches: nobody reads them soon, and lines written whole need not be
+/// fetched first. `positions` and `words` are aligned to cache lines.
+void storeLines(const Element* const* members, std::int32_t* positions, std::uint32_t* words)
+{
+#if defined(__SSE2__)
+    auto* p = reinterpret_cast<__m128i*>(positions);
+    auto* w = reinterpret_cast<__m128i*>(words);
+    for (std::uint32_t k = 0; k < kLineSlots; k += 4, p += 3, ++w) {
+        const __m128 a = _mm_load_ps(reinterpret_cast<const float*>(members[k]));  // x y z word, as bits
+        const __m128 b = _mm_load_ps(reinterpret_cast<const float*>(members[k + 1]));
+        const __m128 c = _mm_load_ps(reinterpret_cast<const float*>(members[k + 2]));
+        const __m128 d = _mm_load_ps(reinterpret_cast<const float*>(members[k + 3]));
+        const auto bits = [](__m128 v) { return _mm_castps_si128(v); };
+        const __m128 az_bx = _mm_shuffle_ps(a, b, _MM_SHUFFLE(0, 0, 2, 2));
+        const __m128 cz_dx = _mm_shuffle_ps(c, d, _MM_SHUFFLE(0, 0, 2, 2));
+        _mm_stream_si128(p, bits(_mm_shuffle_ps(a, az_bx, _MM_SHUFFLE(2, 0, 1, 0))));      // ax ay az bx
+        _mm_stream_si128(p + 1, bits(_mm_shuffle_ps(b, c, _MM_SHUFFLE(1, 0, 2, 1))));      // by bz cx cy
+        _mm_stream_si128(p + 2, bits(_mm_shuffle_ps(cz_dx, d, _MM_SHUFFLE(2, 1, 2, 0))));  // cz dx dy dz
+        const __m128 ab = _mm_unpackhi_ps(a, b), cd = _mm_unpackhi_ps(c, d);               // z z word word
+        _mm_stream_si128(w, bits(_mm_shuffle_ps(ab, cd, _MM_SHUFFLE(3, 2, 3, 2))));
+    }
+#else
+    for (std::uint32_t k = 0; k < kLineSlots; ++k) {
+        std::memcpy(positions + 3 * k, members[k], sizeof(LocalPosition));
+        words[k] = members[k]->word;
+    }
+#endif
+}
+
+}  // namespace
+
 /// Points of one put() before they are dealt out, in file order.
 struct PointStore::Scratch {
-    std::uint32_t indices[kPutPoints];
     std::uint32_t words[kPutPoints];
-    std::uint32_t classes[kPutPoints];
-    LocalPosition positions[kPutPoints];
+    std::uint32_t classBits[kPutPoints];
+    std::uint8_t classes[kPutPoints];
+    Element elements[kPutPoints];
 };
+
+/// Local positions and words of a piece into the scratch elements. False when a point is outside the frame: it
+/// stays empty then.
+bool PointStore::makeElements(PointRange range, Scratch& s) const
+{
+    const auto count = std::size_t(range.size());
+    const std::int32_t* const x = m_cloud->rawX().data() + range.first;
+    const std::int32_t* const y = m_cloud->rawY().data() + range.first;
+    const std::int32_t* const z = m_cloud->rawZ().data() + range.first;
+    const glm::i64vec3 o = m_frame.origin;
+    if (m_frame.shift == 0) {
+        // All inside, as it nearly always is: 32-bit differences are right, and one loop does it.
+        glm::ivec3 low(INT32_MAX), high(INT32_MIN);
+        for (std::size_t k = 0; k < count; ++k) {
+            low.x = std::min(low.x, x[k]);
+            high.x = std::max(high.x, x[k]);
+            low.y = std::min(low.y, y[k]);
+            high.y = std::max(high.y, y[k]);
+            low.z = std::min(low.z, z[k]);
+            high.z = std::max(high.z, z[k]);
+        }
+        if (glm::all(glm::greaterThan(glm::i64vec3(low), o)) &&
+            glm::all(glm::lessThan(glm::i64vec3(high) - o, glm::i64vec3(INT32_MAX)))) {
+            const auto ox = std::uint32_t(o.x), oy = std::uint32_t(o.y), oz = std::uint32_t(o.z);
+            for (std::size_t k = 0; k < count; ++k)
+                s.elements[k] = {std::int32_t(std::uint32_t(x[k]) - ox), std::int32_t(std::uint32_t(y[k]) - oy),
+                                 std::int32_t(std::uint32_t(z[k]) - oz), s.words[k]};
+            return true;
+        }
+    }
+    bool inside = true;
+    const auto fits = [](std::int64_t v) { return v > 0 && v < INT32_MAX; };
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::int64_t lx = (x[k] - o.x) >> m_frame.shift, ly = (y[k] - o.y) >> m_frame.shift,
+                           lz = (z[k] - o.z) >> m_frame.shift;
+        const bool in = fits(lx) & fits(ly) & fits(lz);
+        s.elements[k] = {in ? std::int32_t(lx) : 0, in ? std::int32_t(ly) : 0, in ? std::int32_t(lz) : 0,
+                         s.words[k]};
+        inside &= in;
+    }
+    return inside;
+}
 
 void PointStore::put(PointRange range, const AttributeEncoder& encoder, bool withPositions)
 {
@@ -196,7 +284,6 @@ void PointStore::put(PointRange range, const AttributeEncoder& encoder, bool wit
     auto* const positions = reinterpret_cast<LocalPosition*>(m_positions.data());
     auto* const words = reinterpret_cast<std::uint32_t*>(m_words.data());
     auto* const classes = reinterpret_cast<std::uint8_t*>(m_classes.data());
-    const auto x = m_cloud->rawX(), y = m_cloud->rawY(), z = m_cloud->rawZ();
     const bool haveClasses = m_classification.columns[0] != nullptr;
     const PointRange whole = range;
 
@@ -205,31 +292,17 @@ void PointStore::put(PointRange range, const AttributeEncoder& encoder, bool wit
         range = {first, std::min(whole.last, (first / kPutPoints + 1) * kPutPoints)};
         const auto count = std::size_t(range.size());
         Scratch& s = *scratch;
-        std::iota(s.indices, s.indices + count, std::uint32_t(first));
-        if (!encoder.encode({s.indices, count}, s.words)) m_colorsOutgrown.store(true, std::memory_order_relaxed);
-        if (haveClasses) m_classification.gatherBits({s.indices, count}, s.classes);
-        bool outside = false;
-        if (withPositions) {
-            const glm::i64vec3 o = m_frame.origin;
-            const int shift = m_frame.shift;
-            const auto fits = [](std::int64_t v) { return v > 0 && v < INT32_MAX; };
-            for (std::size_t k = 0; k < count; ++k) {
-                const std::int64_t lx = (x[first + k] - o.x) >> shift, ly = (y[first + k] - o.y) >> shift,
-                                   lz = (z[first + k] - o.z) >> shift;
-                if (fits(lx) & fits(ly) & fits(lz)) {
-                    s.positions[k] = {std::int32_t(lx), std::int32_t(ly), std::int32_t(lz)};
-                } else {
-                    s.positions[k] = {};
-                    outside = true;
-                }
-            }
+        if (!encoder.encode(range, s.words)) m_colorsOutgrown.store(true, std::memory_order_relaxed);
+        if (haveClasses) {
+            m_classification.gatherBits(range, s.classBits);
+            for (std::size_t k = 0; k < count; ++k) s.classes[k] = std::uint8_t(s.classBits[k]);
         }
-        if (outside) m_outgrown.store(true, std::memory_order_relaxed);
+        if (withPositions && !makeElements(range, s)) m_outgrown.store(true, std::memory_order_relaxed);
 
         const auto store = [&](Slot slot, std::size_t k) {
             words[slot] = s.words[k];
-            if (haveClasses) classes[slot] = std::uint8_t(s.classes[k]);
-            if (withPositions) positions[slot] = s.positions[k];
+            if (haveClasses) classes[slot] = s.classes[k];
+            if (withPositions) positions[slot] = {s.elements[k].x, s.elements[k].y, s.elements[k].z};
         };
         if (m_order.kind() != OrderKind::Stratified) {
             for (std::size_t k = 0; k < count; ++k) store(m_order.slotOf(first + k), k);
@@ -253,24 +326,53 @@ void PointStore::put(PointRange range, const AttributeEncoder& encoder, bool wit
             const auto group = std::uint32_t(from >> m_order.groupBits());
             const auto groups =
                 std::uint32_t(std::min<PointIndex>(kMostGroups, (wholeLast - from) >> m_order.groupBits()));
-            GroupShuffle shuffles[kMostGroups];
-            for (std::uint32_t g = 0; g < groups; ++g) shuffles[g] = groupShuffle(group + g);
-            const auto base = std::size_t(from - first);
+            // members[g]: the member of group g that the window gets, from window to window by a fixed step
+            std::uint32_t members[kMostGroups], steps[kMostGroups], bases[kMostGroups];
+            for (std::uint32_t g = 0; g < groups; ++g) {
+                const GroupShuffle shuffle = groupShuffle(group + g);
+                members[g] = shuffle.member(0, mask);
+                steps[g] = shuffle.inverse;
+                bases[g] = std::uint32_t(from - first) + (g << m_order.groupBits());
+            }
+            const bool lines =
+                withPositions && groups == kLineSlots && group % kLineSlots == 0 && window % kLineSlots == 0;
             for (std::uint32_t w = 0; w <= mask; ++w) {
                 const Slot slot = w * window + group;
-                std::size_t members[kMostGroups];
-                for (std::uint32_t g = 0; g < groups; ++g)
-                    members[g] = base + (std::size_t(g) << m_order.groupBits()) + shuffles[g].member(w, mask);
-                for (std::uint32_t g = 0; g < groups; ++g) words[slot + g] = s.words[members[g]];
-                if (withPositions)
-                    for (std::uint32_t g = 0; g < groups; ++g) positions[slot + g] = s.positions[members[g]];
-                if (haveClasses)
-                    for (std::uint32_t g = 0; g < groups; ++g)
-                        classes[slot + g] = std::uint8_t(s.classes[members[g]]);
+                std::uint32_t at[kMostGroups];
+                for (std::uint32_t g = 0; g < groups; ++g) {
+                    at[g] = bases[g] + members[g];
+                    members[g] = (members[g] + steps[g]) & mask;
+                }
+                if (lines) {
+                    const Element* elements[kLineSlots];
+                    for (std::uint32_t g = 0; g < kLineSlots; ++g) elements[g] = &s.elements[at[g]];
+                    storeLines(elements, &positions[slot].x, &words[slot]);
+                } else {
+                    for (std::uint32_t g = 0; g < groups; ++g) words[slot + g] = s.words[at[g]];
+                    if (withPositions)
+                        for (std::uint32_t g = 0; g < groups; ++g) {
+                            const Element& e = s.elements[at[g]];
+                            positions[slot + g] = {e.x, e.y, e.z};
+                        }
+                }
+                if (haveClasses) {
+                    // eight at once, because each store of its own would wait for the cache line
+                    std::uint32_t g = 0;
+                    for (; g + 8 <= groups; g += 8) {
+                        std::uint64_t eight = 0;
+                        for (std::uint32_t k = 0; k < 8; ++k)
+                            eight |= std::uint64_t(s.classes[at[g + k]]) << (8 * k);
+                        std::memcpy(classes + slot + g, &eight, sizeof eight);
+                    }
+                    for (; g < groups; ++g) classes[slot + g] = s.classes[at[g]];
+                }
             }
             from += PointIndex(groups) << m_order.groupBits();
         }
     }
+#if defined(__SSE2__)
+    _mm_sfence();  // what was written past the caches is there before anybody is told of it
+#endif
     bumpVersions(whole, withPositions);
 }
 

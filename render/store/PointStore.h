@@ -119,6 +119,7 @@ private:
     std::shared_ptr<const AttributeEncoder> encoderFor(PointRange range);
     /// Encodes the points of a range and puts them into their slots; positions too when asked for.
     void put(PointRange range, const AttributeEncoder& encoder, bool positions);
+    bool makeElements(PointRange range, Scratch& scratch) const;
     void bumpVersions(PointRange range, bool positions) noexcept;
 
     std::shared_ptr<const PointCloud> m_cloud;
