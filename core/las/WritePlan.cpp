@@ -709,12 +709,12 @@ private:
         setEncoding();
         setFigures();
         if (m_restructured) setSignature();
-        // A count that announces more records than there are stays as wrong as it was.
-        const auto announced = m_header.get<std::uint32_t>(at::kVlrCount);
-        if (m_vlrs.size() != vlrsBefore)
-            m_header.set(
-                at::kVlrCount,
-                std::uint32_t(announced == vlrsBefore ? m_vlrs.size() : announced + m_vlrs.size() - vlrsBefore));
+        // A count that announces more records than there are stays as wrong as it was, if it can.
+        const std::uint64_t announced = m_header.get<std::uint32_t>(at::kVlrCount);
+        if (m_vlrs.size() != vlrsBefore) {
+            const std::uint64_t now = announced + m_vlrs.size() - vlrsBefore;
+            m_header.set(at::kVlrCount, std::uint32_t(now <= UINT32_MAX ? now : m_vlrs.size()));
+        }
         const auto formatByte = std::uint8_t(m_format | (m_options.compressed ? 0x80 : 0));
         m_header.set(at::kPointFormat, formatByte);
         m_header.set(at::kRecordLength, m_layout.length);

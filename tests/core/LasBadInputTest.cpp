@@ -128,13 +128,18 @@ void LasBadInputTest::everyRow()
     QVERIFY2(bad.said.empty() ? warnings.empty() : all.find(bad.said) != std::string::npos, all.c_str());
     QCOMPARE(o.result.bounds.empty(), o.cloud->size() == missing);
 
-    // What could be opened can be saved (under another name), and is sound then.
-    Progress progress;
-    const fs::path copy = fs::path(m_dir.path().toStdString()) / "copy.las";
-    las::write(*o.cloud, copy, {}, progress);
-    const Opened again = openAll(copy);
-    QCOMPARE(again.source->pointCount, o.cloud->size() - missing);
-    QVERIFY(!again.source->recovered && again.result.missing.empty());
+    // What could be opened can be saved (under another name) as either kind, and is sound then.
+    for (const bool compressed : {false, true}) {
+        if (compressed && bad.name.starts_with("51")) continue;  // LASzip cannot; it is found out
+        Progress progress;
+        const fs::path copy = fs::path(m_dir.path().toStdString()) / "copy";
+        las::WriteOptions options;
+        options.compressed = compressed;
+        las::write(*o.cloud, copy, options, progress);
+        const Opened again = openAll(copy);
+        QCOMPARE(again.source->pointCount, o.cloud->size() - missing);
+        QVERIFY(!again.source->recovered && again.result.missing.empty());
+    }
     QVERIFY(lasfiles::readFile(path) == bad.bytes);
 }
 
