@@ -444,7 +444,7 @@ private:
         m_plan.compressed = m_options.compressed;
         if (m_options.compressed)
             chooseCompression();
-        else
+        else if (m_source->compressed)  // in a plain file it is just a record that somebody left there
             std::erase_if(m_vlrs, isLaszip);
         if (m_minor < 4) shortenEvlrs();
     }

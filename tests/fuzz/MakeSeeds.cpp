@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+// Makes the inputs that fuzzing begins with: MakeSeeds FOLDER [FOLDER OF REAL FILES]. One folder a target.
+#include "core/las/File.h"
+#include "core/las/SourceParser.h"
+#include "tests/core/BadInputs.h"
+#include "tests/fuzz/Fuzz.h"
+
+using lasfiles::Bytes;
+namespace fs = std::filesystem;
+
+namespace
+{
+
+constexpr std::size_t kPoints = 30;
+constexpr std::size_t kMostRecordBytes = 400;  ///< of VLRs and EVLRs in a trimmed file; longer ones are left out
+
+fs::path folder;
+
+void seed(const std::string& target, std::string name, const Bytes& bytes)
+{
+    for (char& c : name)
+        if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.')) c = '-';
+    fs::create_directories(folder / target);
+    lasfiles::writeFile(folder / target / name, bytes);
+}
+
+void wholeFile(const std::string& name, const Bytes& bytes)
+{
+    seed("header", name, bytes);
+    seed("open_save_open", name, bytes);
+}
+
+/// Input of the target extra_bytes.
+void extraBytes(const std::string& name, std::uint8_t format, std::uint16_t extra,
+                const std::vector<Bytes>& records)
+{
+    Bytes b(3);
+    b[0] = std::byte(format);
+    lasfiles::set(b, 1, extra);
+    for (const Bytes& r : records) {
+        b.resize(b.size() + 2);
+        lasfiles::set(b, b.size() - 2, std::uint16_t(r.size()));
+        lasfiles::append(b, r);
+    }
+    seed("extra_bytes", name, b);
+}
+
+/// Inputs of the target chunk_table: the table alone, and the whole point part with its pointer made relative.
+void chunkTable(const std::string& name, const Bytes& laz, bool variable)
+{
+    const std::size_t at = lasfiles::bad::pointOffset(laz);
+    const auto format = lasfiles::get<std::uint8_t>(laz, 104) & 0x3F;
+    const auto table = std::size_t(lasfiles::get<std::int64_t>(laz, at));
+    Bytes head(5);
+    lasfiles::set<std::uint32_t>(head, 1, kPoints);
+    head[0] = std::byte((variable ? 1 : 0) | format << 2);
+    Bytes all = head;
+    all.insert(all.end(), laz.begin() + std::ptrdiff_t(at), laz.end());
+    if (table > at && table <= laz.size()) {
+        lasfiles::set<std::int64_t>(all, 5, std::int64_t(table - at));
+        head[0] |= std::byte(2);
+        head.insert(head.end(), laz.begin() + std::ptrdiff_t(table), laz.end());
+        seed("chunk_table", name + " table", head);
+    }
+    seed("chunk_table", name + " points", all);
+}
+
+/// Input of the target chunk: the first chunk of a file.
+void chunk(const std::string& name, const Bytes& laz, std::uint16_t count, unsigned versionBits, bool stream)
+{
+    const auto format = std::uint8_t(lasfiles::get<std::uint8_t>(laz, 104) & 0x3F);
+    const auto extra = lasfiles::get<std::uint16_t>(laz, 105) - lasfiles::recordLength(format);
+    if (extra > 7) return;
+    Bytes b(4);
+    b[0] = std::byte(format);
+    b[1] = std::byte(unsigned(extra) | versionBits << 3 | (stream ? 32 : 0));
+    lasfiles::set<std::uint16_t>(b, 2, std::uint16_t(count - 1));
+    const auto [first, last] = lasfiles::bad::chunkAt(laz, 0);
+    b.insert(b.end(), laz.begin() + std::ptrdiff_t(first), laz.begin() + std::ptrdiff_t(last));
+    seed("chunk", name, b);
+}
+
+/// A real file's header, its shorter records, and its first points.
+void trimmed(const fs::path& path)
+{
+    const punctum::las::File file(path);
+    const auto parsed = punctum::las::parseFile(file);
+    const punctum::las::SourceFile& s = *parsed.source;
+    const std::size_t length = s.layout.length;
+    const auto count = std::size_t(std::min<std::uint64_t>(kPoints, s.pointCount));
+    if (length > 200) return;
+    Bytes points, table;
+    const Bytes records = lasfiles::recordsByLaszip(path, s.layout.format, std::uint16_t(length), count);
+    std::vector<Bytes> vlrs;
+    for (const punctum::las::Vlr& v : s.vlrs)
+        if (v.data.size() <= kMostRecordBytes && v.user() != punctum::las::kLaszipUser && vlrs.size() < 5)
+            vlrs.push_back(lasfiles::record(v.user(), v.recordId, v.data));
+    Bytes head = s.header.bytes;
+    lasfiles::set<std::uint32_t>(head, 107, s.layout.format < 6 ? std::uint32_t(count) : 0);
+    if (s.header.extendedCounts()) {
+        lasfiles::set<std::uint64_t>(head, 247, count);
+        lasfiles::set<std::uint64_t>(head, 235, 0);
+        lasfiles::set<std::uint32_t>(head, 243, 0);
+    }
+    if (s.compressed) {
+        Bytes vlr;
+        points = lasfiles::compressedByLaszip(s.layout.format, std::uint16_t(length), records, 10, &vlr);
+        vlrs.insert(vlrs.begin(), vlr);
+    } else {
+        points = records;
+    }
+    Bytes all = lasfiles::file(head, vlrs, points);
+    if (s.compressed) {
+        const std::size_t at = all.size() - points.size();
+        lasfiles::set<std::int64_t>(all, at, lasfiles::get<std::int64_t>(all, at) + std::int64_t(at));
+    }
+    wholeFile("real " + path.filename().string(), all);
+    std::vector<Bytes> descriptors;
+    for (const punctum::las::Vlr* v : s.extraBytesRecords()) descriptors.emplace_back(v->data);
+    if (!descriptors.empty())
+        extraBytes("real " + path.filename().string(), s.layout.format,
+                   std::uint16_t(length - punctum::las::standardRecordLength(s.layout.format)), descriptors);
+}
+
+void make(const fs::path& realFiles)
+{
+    for (std::uint8_t format = 0; format <= 10; ++format)
+        for (const std::uint16_t extra : {0, 5}) {
+            const std::string name = "format " + std::to_string(format) + " " + std::to_string(extra);
+            const auto length = std::uint16_t(lasfiles::recordLength(format) + extra);
+            const Bytes records = lasfiles::randomRecords(format, length, kPoints, format, true);
+            const Bytes laz = lasfiles::lazFile(format, length, records, 10);
+            if (extra == 0) {
+                wholeFile("las " + name,
+                          lasfiles::file(lasfiles::header(lasfiles::minorFor(format), format, length, kPoints), {},
+                                         records));
+                chunkTable(name, laz, false);
+            }
+            wholeFile("laz " + name, laz);
+            for (unsigned version = 0; version < 3; ++version)
+                chunk(name + " v" + std::to_string(version), laz, 10, version, false);
+            if (format < 6) chunk(name + " stream", laz, 10, 1, true);
+        }
+    for (const lasfiles::BadInput& row : lasfiles::badInputs(kPoints)) {
+        if (row.bytes.size() > 8000) continue;
+        wholeFile("bad " + row.name, row.bytes);
+        const auto number = std::atoi(row.name.c_str());
+        if (number >= 37 && number <= 48 && row.bytes.size() > 500)
+            chunkTable("bad " + row.name, row.bytes, number == 40 || number == 41);
+        if (number == 43 || (number == 44 && lasfiles::bad::tableAt(row.bytes) != 0))
+            chunk("bad " + row.name, row.bytes, 6, 1, false);
+    }
+    using lasfiles::bad::descriptor;
+    for (int type = 0; type <= 31; ++type)
+        extraBytes("type " + std::to_string(type), std::uint8_t(type % 11), 24,
+                   {descriptor(type, type == 0 ? 7 : 31, "Value"), descriptor(2, 0, "Value")});
+    if (!realFiles.empty())
+        for (const fs::path& path : lasfiles::sharedFiles(realFiles)) trimmed(path);
+}
+
+}  // namespace
+
+int main(int argc, char** argv)
+{
+    if (argc < 2) {
+        std::fprintf(stderr, "Usage: MakeSeeds FOLDER [FOLDER OF REAL FILES]\n");
+        return 2;
+    }
+    folder = argv[1];
+    try {
+        make(argc > 2 ? fs::path(argv[2]) : fs::path());
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "%s\n", e.what());
+        return 1;
+    }
+    return 0;
+}
