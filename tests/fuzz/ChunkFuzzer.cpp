@@ -57,7 +57,7 @@ lasfiles::Bytes fileAround(std::span<const std::byte> chunk, const las::LazInfo&
 /// What could be read is the same when it is written and read again.
 void encodeAgain(const las::LazInfo& standard, const lasfiles::Bytes& records)
 {
-    const auto chunk = las::encodeChunk(standard, records);
+    const auto chunk = las::encodeChunk(standard, records, Progress());
     const std::size_t count = records.size() / standard.recordLength;
     if (standard.compressor == las::LazInfo::Layered)
         promise(las::checkLayeredChunk(chunk, standard, std::uint32_t(count)).empty(),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Makes the inputs that fuzzing begins with: MakeSeeds FOLDER [FOLDER OF REAL FILES]. One folder a target.
+// Makes the inputs that fuzzing begins with: MakeSeeds FOLDER [FOLDER OF REAL FILES]; FOLDER is tests/fuzz/corpus.
 #include "core/las/File.h"
 #include "core/las/SourceParser.h"
 #include "tests/core/BadInputs.h"
@@ -26,8 +26,7 @@ void seed(const std::string& target, std::string name, const Bytes& bytes)
 
 void wholeFile(const std::string& name, const Bytes& bytes)
 {
-    seed("header", name, bytes);
-    seed("open_save_open", name, bytes);
+    seed("files", name, bytes);  // of the targets header and open_save_open
 }
 
 /// Input of the target extra_bytes.
