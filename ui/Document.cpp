@@ -84,8 +84,16 @@ void Document::setClassCounts(const std::array<std::uint64_t, 256>& counts)
     emit classCountsChanged();
 }
 
-void Document::setSavedAs(const std::filesystem::path& path)
+void Document::setUnsavedChanges(const QString& changes)
 {
+    if (changes == m_unsavedChanges) return;
+    m_unsavedChanges = changes;
+    emit stateChanged();
+}
+
+void Document::setSavedAs(const std::filesystem::path& path, LastSave save)
+{
+    m_lastSave = std::move(save);
     if (path != m_data->path) m_recovered = false;  // the damaged file is another one now
     m_path = toQString(path);
     emit stateChanged();

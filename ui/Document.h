@@ -81,13 +81,24 @@ public:
     /// Points of each class; nothing while not known, or where the cloud has no classes.
     const std::optional<std::array<std::uint64_t, 256>>& classCounts() const noexcept { return m_classCounts; }
 
+    /// In one line, what saving would change; empty when nothing, or while it is not known.
+    const QString& unsavedChanges() const noexcept { return m_unsavedChanges; }
+    /// What the last save changed: a sentence, and the comparison in lines (empty: there was nothing to compare
+    /// with).
+    struct LastSave {
+        QString sentence;
+        QString details;
+    };
+    const std::optional<LastSave>& lastSave() const noexcept { return m_lastSave; }
+
     // -- called by the Workspace
     void setLoaded(const las::ReadResult& result);
     void setAttributes(std::vector<Attribute> attributes);
     void setFigures(const QString& name, const AttributeFigures& figures);
     void forgetFigures(const QStringList& names);
     void setClassCounts(const std::array<std::uint64_t, 256>& counts);
-    void setSavedAs(const std::filesystem::path& path);
+    void setSavedAs(const std::filesystem::path& path, LastSave save);
+    void setUnsavedChanges(const QString& changes);
     void noteEdit();
 
 signals:
@@ -107,6 +118,8 @@ private:
     std::vector<Attribute> m_attributes;
     std::map<QString, AttributeFigures> m_figures;
     std::optional<std::array<std::uint64_t, 256>> m_classCounts;
+    QString m_unsavedChanges;
+    std::optional<LastSave> m_lastSave;
 };
 
 }  // namespace punctum::ui

@@ -237,10 +237,11 @@ void MainMenu::update(const Document* document)
     for (QAction* action : m_needDocument) action->setEnabled(document != nullptr);
     saveAs->setEnabled(ready);
     save->setEnabled(ready && !document->recovered());
-    save->setToolTip(
-        document && document->recovered()
-            ? tr("This file is damaged and may not be overwritten: use Save As.")
-            : tr("Save the active file (%1)").arg(save->shortcut().toString(QKeySequence::NativeText)));
+    save->setToolTip(document && document->recovered()
+                         ? tr("This file is damaged and may not be overwritten: use Save As.")
+                     : !document || document->unsavedChanges().isEmpty()
+                         ? tr("Save the active file (%1)").arg(save->shortcut().toString(QKeySequence::NativeText))
+                         : tr("Save: %1").arg(document->unsavedChanges()));
     const History* history = document ? document->data()->history.get() : nullptr;
     const auto label = [](const QString& verb, const std::string& what) {
         return what.empty() ? verb : QStringLiteral("%1 %2").arg(verb, toQString(what));

@@ -6,6 +6,7 @@
 #include "ui/HelpPages.h"
 #include "ui/MainMenu.h"
 #include "ui/MessageArea.h"
+#include "ui/SaveDialogs.h"
 #include "ui/Screenshot.h"
 #include "ui/Text.h"
 #include "ui/ViewRenderer.h"
@@ -150,7 +151,12 @@ void MainWindow::connectParts()
     connect(m_workspace, &Workspace::documentRemoved, this, &MainWindow::documentRemoved);
     connect(m_workspace, &Workspace::documentStateChanged, this, [this] { updateTitle(); });
     connect(m_workspace, &Workspace::message, this,
-            [this](MessageKind kind, const QString& text) { m_viewport->messages().add(kind, text); });
+            [this](MessageKind kind, const QString& text, const QString& details) {
+                m_viewport->messages().add(kind, text, details);
+            });
+    const auto showDetails = [this](const QString& text) { showReport(this, tr("What was saved"), text); };
+    connect(&m_viewport->messages(), &MessageArea::detailsWanted, this, showDetails);
+    connect(m_properties, &PropertiesDock::detailsWanted, this, showDetails);
     connect(m_workspace, &Workspace::saved, this, [this](const Document* d) { rememberFile(d->path()); });
     connect(m_workspace, &Workspace::cloudChanged, this,
             [this](const Document* document, const ChangeNotice& notice) {
@@ -306,7 +312,10 @@ void MainWindow::saveAs()
                                                 laz + QStringLiteral(";;") + las, &filter);
     if (path.isEmpty() || !document) return;
     if (QFileInfo(path).suffix().isEmpty()) path += filter == las ? QStringLiteral(".las") : QStringLiteral(".laz");
-    saveTo(*document, path);
+    const QString name = QFileInfo(path).fileName();
+    m_workspace->save(*document, path, {}, [this, name](const QString& what, std::function<void(bool)> answer) {
+        askBeforeSaving(this, name, what, std::move(answer));
+    });
 }
 
 void MainWindow::saveTo(Document& document, const QString& path)

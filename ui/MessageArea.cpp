@@ -28,7 +28,7 @@ MessageArea::MessageArea(QWidget* parent) : QWidget(parent)
     hide();
 }
 
-void MessageArea::add(MessageKind kind, const QString& sentence)
+void MessageArea::add(MessageKind kind, const QString& sentence, const QString& details)
 {
     if (sentence.isEmpty()) return;
     // The same sentence twice says no more than once.
@@ -69,10 +69,18 @@ void MessageArea::add(MessageKind kind, const QString& sentence)
     row->setSpacing(10);
     row->addWidget(mark, 0, Qt::AlignTop);
     row->addWidget(text, 1);
+    if (!details.isEmpty()) {
+        auto* more = new QToolButton;
+        more->setObjectName(QStringLiteral("details"));
+        more->setText(tr("Details"));
+        more->setToolTip(tr("Show exactly what differs"));
+        connect(more, &QToolButton::clicked, this, [this, details] { emit detailsWanted(details); });
+        row->addWidget(more, 0, Qt::AlignTop);
+    }
     row->addWidget(close, 0, Qt::AlignTop);
     m_column->addWidget(bar);
     if (kind != MessageKind::Error)
-        QTimer::singleShot(kind == MessageKind::Info ? kNewsLast : kWarningsLast, bar,
+        QTimer::singleShot(kind == MessageKind::Info && details.isEmpty() ? kNewsLast : kWarningsLast, bar,
                            [this, bar] { remove(bar); });
     show();
     raise();

@@ -19,7 +19,8 @@ class MessageArea final : public QWidget
 public:
     explicit MessageArea(QWidget* parent);
 
-    void add(MessageKind kind, const QString& sentence);
+    /// `details`: what a button behind the sentence leads to; none when empty.
+    void add(MessageKind kind, const QString& sentence, const QString& details = {});
     /// What is shown at present, oldest first.
     QStringList sentences() const;
     void clear();
@@ -28,6 +29,7 @@ public:
 
 signals:
     void resized();
+    void detailsWanted(const QString& details);
 
 private:
     void remove(QFrame* bar);

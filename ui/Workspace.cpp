@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "ui/Workspace.h"
 
+#include "core/Error.h"
 #include "core/edit/History.h"
-#include "core/las/Writer.h"
 #include "core/task/Progress.h"
 #include "render/store/PointStore.h"
 #include "ui/BackgroundPriority.h"
+#include "ui/Saving.h"
 #include "ui/Text.h"
 
 #include <QDir>
@@ -291,9 +292,8 @@ void Workspace::analyse(Document& document, const QStringList& names)
 
 // -- saving and changing
 
-void Workspace::save(Document& document, const QString& path, std::function<void(bool)> ended)
+void Workspace::save(Document& document, const QString& path, std::function<void(bool)> ended, AskSave ask)
 {
-    const auto data = document.data();
     const std::filesystem::path target = toPath(QDir::cleanPath(QDir::current().absoluteFilePath(path)));
     const auto refuse = [&](const QString& sentence) {
         say(MessageKind::Error, sentence);
@@ -301,44 +301,98 @@ void Workspace::save(Document& document, const QString& path, std::function<void
     };
     if (document.loading())
         return refuse(tr("%1 is still being read: save it when all points are here.").arg(document.name()));
-    if (document.recovered() && target == data->path)
+    if (document.recovered() && target == document.data()->path)
         return refuse(
             tr("%1 is damaged, and only part of it could be read: save under another name.").arg(document.name()));
+    if (!ask) return startSave(document, target, {}, std::move(ended));
 
-    auto report = std::make_shared<las::WriteReport>();
-    const QPointer<Document> alive(&document);
-    const JobId id = startJob(
-        tr("Save %1").arg(toQString(target.filename())),
-        [data, target, report](Progress& progress) {
-            std::uint64_t edits = 0;
-            {
-                const std::lock_guard gate(data->editGate);
-                edits = data->edits;
+    // First what it would change, then the question, then the save.
+    auto forecast = std::make_shared<std::optional<Forecast>>();
+    startJob(
+        tr("Compare %1 with the file").arg(document.name()),
+        [data = document.data(), original = toPath(document.path()), target, forecast](Progress& progress) {
+            try {
+                *forecast = foresee(*data, original, target, progress);
+            } catch (const Error&) {
+                forecast->reset();  // then it is asked nothing; what cannot be written is told by the save
             }
-            las::WriteOptions options;
-            options.compressed = las::isCompressedName(target);
-            *report = las::write(*data->cloud, target, options, progress);
-            const std::lock_guard gate(data->editGate);
-            if (data->edits == edits) data->history->markSaved();
         },
-        [this, alive, target, report, ended = std::move(ended)](const JobInfo& info) {
+        [this, alive = QPointer<Document>(&document), target, forecast, ended = std::move(ended),
+         ask = std::move(ask)](const JobInfo& info) {
+            const auto proceed = [this, alive, target, forecast, ended](bool wanted) {
+                if (wanted && alive)
+                    startSave(*alive, target, std::move(*forecast), ended);
+                else if (ended)
+                    ended(false);
+            };
+            if (info.state != JobState::Finished) {
+                if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
+                return proceed(false);
+            }
+            const QString question = *forecast ? savingQuestion((*forecast)->preview) : QString();
+            if (question.isEmpty())
+                proceed(true);
+            else
+                ask(question, proceed);
+        },
+        true);
+}
+
+void Workspace::startSave(Document& document, const std::filesystem::path& target, std::optional<Forecast> forecast,
+                          std::function<void(bool)> ended)
+{
+    auto outcome = std::make_shared<SaveOutcome>();
+    const std::filesystem::path original = toPath(document.path());
+    // Closing a document does not stop the save that was asked for before: the job is not tied to it.
+    startJob(
+        tr("Save %1").arg(toQString(target.filename())),
+        [data = document.data(), original, target, outcome, forecast = std::move(forecast)](Progress& progress) {
+            *outcome = saveCloud(*data, original, target, forecast, progress);
+        },
+        [this, alive = QPointer<Document>(&document), original, target, outcome,
+         ended = std::move(ended)](const JobInfo& info) {
             const bool done = info.state == JobState::Finished;
             if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
             if (done) {
-                QStringList sentences{
-                    tr("Saved %1: %2, %3.")
-                        .arg(toQString(target.filename()), pointsText(report->points), bytesText(report->bytes))};
-                for (const std::string& note : report->notes) sentences << toQString(note);
-                say(MessageKind::Info, sentences.join(QLatin1Char(' ')));
+                const Document::LastSave save{savedText(*outcome, target),
+                                              savedDetails(*outcome, original, target)};
+                say(MessageKind::Info, save.sentence, save.details);
                 if (alive) {
-                    alive->setSavedAs(target);
+                    alive->setSavedAs(target, save);
+                    countUnsaved(*alive);
                     emit saved(alive);
                 }
             }
             if (ended) ended(done);
         });
-    // Closing a document does not stop the save that was asked for before: the job is not tied to it.
-    Q_UNUSED(id)
+}
+
+void Workspace::countUnsaved(Document& document)
+{
+    const auto found = m_watches.find(&document);
+    if (found == m_watches.end()) return;
+    Watch& watch = found->second;
+    if (watch.counting != 0) {
+        watch.countAgain = true;
+        return;
+    }
+    if (!document.modified()) return document.setUnsavedChanges({});
+    auto changes = std::make_shared<QString>();
+    const QPointer<Document> target(&document);
+    watch.counting = startJob(
+        tr("Unsaved changes of %1").arg(document.name()),
+        [data = document.data(), original = toPath(document.path()), changes](Progress& progress) {
+            *changes = unsavedChanges(*data, original, progress);
+        },
+        [this, target, changes](const JobInfo& info) {
+            const auto watched = target ? m_watches.find(target.data()) : m_watches.end();
+            if (watched == m_watches.end()) return;
+            watched->second.counting = 0;
+            target->setUnsavedChanges(info.state == JobState::Finished ? *changes : QString());
+            if (std::exchange(watched->second.countAgain, false)) countUnsaved(*target);
+        },
+        true);
+    m_documentJobs.emplace(&document, watch.counting);
 }
 
 void Workspace::undo(Document& document)
@@ -364,7 +418,9 @@ void Workspace::moveHistory(Document& document, bool forward)
              },
              [this, alive = QPointer<Document>(&document)](const JobInfo& info) {
                  if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
-                 if (alive) alive->noteEdit();
+                 if (!alive) return;
+                 alive->noteEdit();
+                 countUnsaved(*alive);
              },
              true);
 }
@@ -398,7 +454,10 @@ JobId Workspace::run(Document& document, const Step& step, const StepValues& val
         },
         [this, alive = QPointer<Document>(&document), title, outcome](const JobInfo& info) {
             if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
-            if (alive) alive->noteEdit();
+            if (alive) {
+                alive->noteEdit();
+                countUnsaved(*alive);
+            }
             emit stepEnded(info.id, title, outcome->changed, outcome->newAttributes, info);
         });
     m_documentJobs.emplace(&document, id);

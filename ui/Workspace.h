@@ -17,6 +17,8 @@
 namespace punctum::ui
 {
 
+struct Forecast;
+
 /// How grave a message to the user is.
 enum class MessageKind { Info, Warning, Error };
 
@@ -46,8 +48,12 @@ public:
     bool opening() const noexcept { return !m_opening.empty(); }
     /// Without asking; a job that works on it is cancelled.
     void close(Document& document);
-    /// Writes LAS or LAZ by the path's ending. `ended(true)`: written and renamed over `path`.
-    void save(Document& document, const QString& path, std::function<void(bool)> ended = {});
+    /// Asked before a save that would leave something out or upgrade it: `what` says what, and `answer` is to be
+    /// called with whether to go on, any time later.
+    using AskSave = std::function<void(const QString& what, std::function<void(bool)> answer)>;
+    /// Writes LAS or LAZ by the path's ending, and tells what that changed. `ended(true)`: written and renamed over
+    /// `path`. Without `ask` it goes on in any case.
+    void save(Document& document, const QString& path, std::function<void(bool)> ended = {}, AskSave ask = {});
     void undo(Document& document);
     void redo(Document& document);
     /// Runs a processing step and applies its command; stepEnded tells the result.
@@ -60,8 +66,11 @@ public:
     /// Whether a job runs, or has ended and its result is still on its way here.
     bool busy() const noexcept { return m_unended > 0; }
 
-    /// Shows the user a sentence.
-    void say(MessageKind kind, const QString& sentence) { emit message(kind, sentence); }
+    /// Shows the user a sentence; `details`: lines of a report that it leads to.
+    void say(MessageKind kind, const QString& sentence, const QString& details = {})
+    {
+        emit message(kind, sentence, details);
+    }
 
 signals:
     void documentAdded(punctum::ui::Document* document);
@@ -71,7 +80,7 @@ signals:
     void activeChanged(punctum::ui::Document* document);
     void documentStateChanged(punctum::ui::Document* document);
     void cloudChanged(punctum::ui::Document* document, const punctum::ChangeNotice& notice);
-    void message(punctum::ui::MessageKind kind, const QString& sentence);
+    void message(punctum::ui::MessageKind kind, const QString& sentence, const QString& details);
     void jobStarted(quint64 id, const QString& title, bool quiet);
     void jobEnded(const punctum::JobInfo& info);
     /// `changed`: points whose values differ now; `error`: empty unless it failed.
@@ -87,11 +96,16 @@ private:
     void handleNotice(Document& document, const ChangeNotice& notice, std::vector<Attribute> attributes);
     void analyse(Document& document, const QStringList& names);
     void moveHistory(Document& document, bool forward);
+    void startSave(Document& document, const std::filesystem::path& target, std::optional<Forecast> forecast,
+                   std::function<void(bool)> ended);
+    void countUnsaved(Document& document);
 
     struct Watch {
         Subscription subscription;
         QStringList pendingAnalysis;
         JobId analysis = 0;
+        JobId counting = 0;       ///< of unsaved changes
+        bool countAgain = false;  ///< something changed meanwhile
     };
 
     std::unique_ptr<Jobs> m_jobs;

@@ -11,9 +11,11 @@
 #include <mutex>
 #include <utility>
 
-namespace punctum {
+namespace punctum
+{
 
-namespace {
+namespace
+{
 
 /// Words of the set that one task takes at a time: 32,768 points.
 constexpr std::size_t kBlockWords = 512;
@@ -118,6 +120,23 @@ void ValueCommand::apply(PointCloud& cloud) noexcept
     cloud.notify(m_notice);
 }
 
+void ValueCommand::cross(const Column& column, std::span<std::byte> values) const
+{
+    if (&column != m_column.get()) return;
+    const std::size_t bytes = column.elementBytes();
+    const std::byte* theirs = m_values.data();
+    std::byte mask[sizeof m_mask];
+    std::memcpy(mask, &m_mask, sizeof mask);
+    m_points->forEach([&](PointIndex i) {
+        std::byte* const ours = values.data() + i * bytes;
+        for (std::size_t k = 0; k < bytes; ++k) {
+            const std::byte m = k < sizeof mask ? mask[k] : std::byte(0xFF);
+            ours[k] = (ours[k] & ~m) | (theirs[k] & m);
+        }
+        theirs += bytes;
+    });
+}
+
 AttributesCommand::AttributesCommand(std::string name, std::vector<Attribute> attributes)
     : Command(std::move(name)), m_attributes(std::move(attributes))
 {
@@ -177,6 +196,21 @@ void AttributesCommand::apply(PointCloud& cloud) noexcept
     }
     if (!m_list.attributes.empty()) cloud.notify(m_list);
     if (!m_values.attributes.empty()) cloud.notify(m_values);
+}
+
+Command::Effect AttributesCommand::effect() const
+{
+    Effect effect;
+    for (const Trade& trade : m_trades) effect.columns.push_back(trade.theirs);
+    effect.added = m_added;
+    effect.removed = m_displaced;
+    return effect;
+}
+
+void AttributesCommand::cross(const Column& column, std::span<std::byte> values) const
+{
+    for (const Trade& trade : m_trades)
+        if (trade.theirs.get() == &column) std::memcpy(values.data(), trade.ours->data(), values.size());
 }
 
 }  // namespace punctum

@@ -6,16 +6,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
-namespace punctum {
+namespace punctum
+{
 
 /// One change to a cloud that can be undone and redone.
 ///
 /// A command is made (by a processing step or a tool) holding the new values; apply() swaps them with the cloud's,
 /// so that applying again undoes it. Memory: the changed values and a bit a point, or the added columns.
-class Command {
+class Command
+{
 public:
     explicit Command(std::string name) : m_name(std::move(name)) {}
     virtual ~Command() = default;
@@ -30,6 +33,17 @@ public:
     /// Parallel; never throws; call it from a job, not the GUI thread.
     virtual void apply(PointCloud& cloud) noexcept = 0;
 
+    /// What there is to be seen of it in the cloud, done or undone.
+    struct Effect {
+        std::vector<std::shared_ptr<Column>> columns;  ///< whose values it swaps
+        std::vector<Attribute> added, removed;         ///< by doing it
+    };
+    /// The same for as long as the command is neither done nor undone.
+    virtual Effect effect() const = 0;
+    /// `values`: the column's elements as they are on this side of the command; they become those of the other
+    /// side. Nothing for columns that it does not swap.
+    virtual void cross(const Column& column, std::span<std::byte> values) const = 0;
+
 private:
     std::string m_name;
 };
@@ -38,7 +52,8 @@ private:
 ///
 /// Where the attribute is a bit field, only its bits are swapped: the other fields of the byte keep what other
 /// commands gave them.
-class ValueCommand final : public Command {
+class ValueCommand final : public Command
+{
 public:
     /// `values`: raw elements (column.elementBytes() each) of the points in `points`, in rising index order.
     /// `attribute`: the attribute that is being changed, named in the change notice; its first column is meant.
@@ -47,6 +62,8 @@ public:
 
     PointIndex changedPoints() const noexcept override { return m_count; }
     void apply(PointCloud& cloud) noexcept override;
+    Effect effect() const override { return {{m_column}, {}, {}}; }
+    void cross(const Column& column, std::span<std::byte> values) const override;
 
 private:
     ChangeNotice m_notice;  ///< made early, so that apply() has nothing to allocate
@@ -63,13 +80,16 @@ private:
 /// An attribute of the cloud that has the same name is replaced, and comes back when undone. Where the types agree
 /// the columns trade contents in their places, so that a column of the file's record keeps its place in the record.
 /// Replacing an attribute of the file's record by one of another type is not supported: the record would not fit.
-class AttributesCommand final : public Command {
+class AttributesCommand final : public Command
+{
 public:
     /// Columns that several of the attributes show (NormalX and Normal) are shared between them.
     AttributesCommand(std::string name, std::vector<Attribute> attributes);
 
     PointIndex changedPoints() const noexcept override { return m_changedPoints; }
     void apply(PointCloud& cloud) noexcept override;
+    Effect effect() const override;
+    void cross(const Column& column, std::span<std::byte> values) const override;
 
 private:
     /// Two columns of one shape that swap contents.

@@ -2,11 +2,58 @@
 #include "core/edit/History.h"
 
 #include "core/edit/Command.h"
+#include "core/task/Progress.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cstring>
 #include <iterator>
 #include <utility>
 
-namespace punctum {
+namespace punctum
+{
+
+namespace
+{
+
+constexpr PointIndex kGrain = 1 << 16;
+
+/// Points whose value of the attribute differs between the column and these values of it.
+PointIndex countDifferent(const Attribute& attribute, std::span<const std::byte> before, Progress& progress)
+{
+    const Column& column = *attribute.columns[0];
+    const std::size_t bytes = column.elementBytes();
+    const std::uint64_t mask =
+        attribute.bitWidth == 0 ? ~std::uint64_t(0) : attribute.maxBits() << attribute.bitShift;
+    const auto differs = [&](PointIndex i) {
+        const std::byte *a = before.data() + i * bytes, *b = column.data() + i * bytes;
+        if (bytes > sizeof mask) return std::memcmp(a, b, bytes) != 0;
+        std::uint64_t x = 0, y = 0;
+        std::memcpy(&x, a, bytes);
+        std::memcpy(&y, b, bytes);
+        return ((x ^ y) & mask) != 0;
+    };
+    const PointIndex n = tbb::parallel_reduce(
+        tbb::blocked_range<PointIndex>(0, column.size(), kGrain), PointIndex(0),
+        [&](const tbb::blocked_range<PointIndex>& r, PointIndex sum) {
+            if (!progress.cancelled())
+                for (PointIndex i = r.begin(); i != r.end(); ++i) sum += differs(i) ? 1 : 0;
+            return sum;
+        },
+        std::plus<>());
+    progress.check();
+    return n;
+}
+
+template <typename List, typename Item>
+bool contains(const List& list, const Item& item)
+{
+    return std::find(list.begin(), list.end(), item) != list.end();
+}
+
+}  // namespace
 
 void History::push(std::unique_ptr<Command> command)
 {
@@ -82,6 +129,55 @@ void History::markSaved()
 {
     const std::lock_guard lock(m_mutex);
     m_saved = std::ptrdiff_t(m_done);
+}
+
+std::optional<std::vector<AttributeChange>> History::changes(Progress& progress) const
+{
+    const std::lock_guard changing(m_changing);  // nobody else writes to the cloud's columns meanwhile
+    std::vector<const Command*> way;             // from now to the saved state
+    {
+        const std::lock_guard lock(m_mutex);
+        if (m_saved < 0) return std::nullopt;
+        const auto saved = std::size_t(m_saved);
+        for (std::size_t k = m_done; k > saved; --k) way.push_back(m_commands[k - 1].get());
+        for (std::size_t k = m_done; k < saved; ++k) way.push_back(m_commands[k].get());
+    }
+    std::vector<std::shared_ptr<Column>> columns;
+    for (const Command* command : way)
+        for (const auto& column : command->effect().columns)
+            if (!contains(columns, column)) columns.push_back(column);
+
+    const bool back = !way.empty() && m_done > std::size_t(m_saved);
+    std::vector<std::string> added, replaced;  // since the saved state
+    for (auto command = way.rbegin(); command != way.rend(); ++command) {
+        const Command::Effect effect = (*command)->effect();
+        const auto& gone = back ? effect.removed : effect.added;
+        for (const Attribute& a : gone) std::erase(added, a.name);
+        for (const Attribute& a : back ? effect.added : effect.removed) {
+            added.push_back(a.name);
+            const auto sameName = [&](const Attribute& old) { return old.name == a.name && old.components == 1; };
+            if (std::any_of(gone.begin(), gone.end(), sameName) && !contains(replaced, a.name))
+                replaced.push_back(a.name);
+        }
+    }
+
+    std::vector<AttributeChange> found;
+    for (const std::string& name : replaced) found.push_back({name, m_cloud->size()});
+    for (const auto& column : columns) {
+        const std::size_t bytes = std::size_t(column->size()) * column->elementBytes();
+        Buffer before(bytes);
+        std::memcpy(before.data(), column->data(), bytes);
+        for (const Command* command : way) {
+            progress.check();
+            command->cross(*column, {before.data(), bytes});
+        }
+        for (const Attribute& a : m_cloud->attributes()) {
+            if (a.components != 1 || a.columns[0] != column || contains(added, a.name)) continue;
+            if (const PointIndex n = countDifferent(a, {before.data(), bytes}, progress); n != 0)
+                found.push_back({a.name, n});
+        }
+    }
+    return found;
 }
 
 std::vector<std::string> History::names() const

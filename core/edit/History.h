@@ -6,17 +6,29 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
-namespace punctum {
+namespace punctum
+{
+
+class Progress;
+
+/// An attribute, and how many points have another value of it than before.
+struct AttributeChange {
+    std::string attribute;
+    PointIndex points = 0;
+    friend bool operator==(const AttributeChange&, const AttributeChange&) = default;
+};
 
 /// The commands done to one cloud, in order, and how many of them are in force.
 ///
 /// push(), undo() and redo() change points, so they run in a job; one at a time, guarded inside. The questions may
 /// be asked from any thread; until one of the three returns they are answered as before it. A listener of the
 /// cloud must not call the three.
-class History {
+class History
+{
 public:
     explicit History(std::shared_ptr<PointCloud> cloud) : m_cloud(std::move(cloud)) {}
 
@@ -32,13 +44,18 @@ public:
     /// Whether the cloud differs from what was last saved (or loaded).
     bool modified() const;
     void markSaved();
+    /// What differs from what was last saved (or loaded): values that really are other ones, not those that were
+    /// changed and changed back. Attributes that were not there then are left out; of those that were replaced by
+    /// others of the same name, all points count. Nothing when that state can no
+    /// longer be reached. Waits for a change that goes on; memory: a column at a time. Throws Cancelled.
+    std::optional<std::vector<AttributeChange>> changes(Progress& progress) const;
     std::vector<std::string> names() const;  ///< oldest first
     std::size_t position() const;            ///< how many of names() are in force
 
 private:
     std::shared_ptr<PointCloud> m_cloud;
-    std::mutex m_changing;       ///< one change at a time
-    mutable std::mutex m_mutex;  ///< guards what follows
+    mutable std::mutex m_changing;  ///< one change at a time
+    mutable std::mutex m_mutex;     ///< guards what follows
     std::vector<std::unique_ptr<Command>> m_commands;
     std::size_t m_done = 0;
     std::ptrdiff_t m_saved = 0;  ///< -1: the saved state can no longer be reached

@@ -252,7 +252,10 @@ SourceFile plannedSource(WritePlan& plan, const CoordinateScale& coordinates)
     plan.setPointDataEnd(s.pointDataEnd);
     s.header.bytes.assign(plan.prefix.begin(), plan.prefix.begin() + std::ptrdiff_t(at));
     s.vlrs = plan.vlrs;
-    for (const Vlr& vlr : s.vlrs) at += std::size_t(vlr.bytesInFile());
+    for (Vlr& vlr : s.vlrs) {  // what is said of compression has been brought up to date in the prefix
+        std::copy_n(plan.prefix.begin() + std::ptrdiff_t(at + Vlr::kHeaderSize), vlr.data.size(), vlr.data.begin());
+        at += std::size_t(vlr.bytesInFile());
+    }
     s.gapBeforePoints.assign(plan.prefix.begin() + std::ptrdiff_t(at), plan.prefix.end());
     s.gapAfterPoints = plan.gapAfterPoints;
     s.evlrs = plan.evlrs;
@@ -267,7 +270,29 @@ SourceFile plannedSource(WritePlan& plan, const CoordinateScale& coordinates)
     return s;
 }
 
+/// The history's word for what the points would tell.
+void addKnown(const std::vector<AttributeChange>& changes, Difference& d)
+{
+    for (const AttributeChange& change : changes) {
+        const auto found = std::find_if(d.attributes.begin(), d.attributes.end(),
+                                        [&](const AttributeDifference& a) { return a.name == change.attribute; });
+        AttributeDifference& a = found != d.attributes.end() ? *found : d.attributes.emplace_back();
+        a.name = change.attribute;
+        a.points = change.points;
+    }
+}
+
 }  // namespace
+
+bool dropsOrUpgrades(const Difference& d)
+{
+    const auto removed = [](const auto& x) { return x.change == std::decay_t<decltype(x)>::Change::Removed; };
+    return d.pointsA > d.pointsB || std::any_of(d.attributes.begin(), d.attributes.end(), removed) ||
+           std::any_of(d.records.begin(), d.records.end(), removed) ||
+           std::any_of(d.header.begin(), d.header.end(), [](const FieldDifference& f) {
+               return f.name == "point_format" || f.name == "version_minor";
+           });
+}
 
 Difference diffFiles(const std::filesystem::path& a, const std::filesystem::path& b, const DiffOptions& options,
                      Progress& progress, std::vector<std::string>* warnings)
@@ -302,7 +327,8 @@ Difference diffFiles(const std::filesystem::path& a, const std::filesystem::path
 }
 
 SavePreview previewSave(const PointCloud& cloud, const std::filesystem::path& original,
-                        const std::filesystem::path& target, const WriteOptions& options, Progress& progress)
+                        const std::filesystem::path& target, const WriteOptions& options, Progress& progress,
+                        const std::vector<AttributeChange>* changes)
 {
     progress.begin("Comparing with the file", 0);
     const auto reader = Reader::open(original);
@@ -311,17 +337,28 @@ SavePreview previewSave(const PointCloud& cloud, const std::filesystem::path& or
     const SourceFile& x = *reader->source();
     if (x.pointCount != cloud.size())
         throw Error(original, "The file no longer holds the points that were read from it.");
-    const SourceFile y = plannedSource(plan, cloud.coordinates());
+    const RecordLayout layout = plannedSource(plan, cloud.coordinates()).layout;
 
     SavePreview preview;
     Difference& d = preview.difference;
     d.pointsA = x.pointCount;
-    d.pointsB = y.pointCount;
-    compareSources(x, y, d);
+    d.pointsB = plan.maker->points();
+    if (changes != nullptr) {
+        d.attributes = RecordComparer(x.layout, layout).differences({});
+        addKnown(*changes, d);
+    } else {
+        const PlannedRecords records(*plan.maker, cloud.size());
+        std::vector<std::string> said;
+        comparePoints(*reader, records, layout, true, progress, said, d);
+    }
+    if (plan.compressed) {
+        // As write() finds out: chunks that no edit touched stay where they are, if all before them does.
+        const bool stay = d.attributes.empty() && d.pointsA == d.pointsB && plan.chunks.file != nullptr &&
+                          plan.prefix.size() == x.header.pointOffset();
+        plan.setCompression(stay, !stay);
+    }
+    compareSources(x, plannedSource(plan, cloud.coordinates()), d);
     std::erase_if(d.container, [](const FieldDifference& f) { return f.name == "file_size"; });
-    const PlannedRecords records(*plan.maker, cloud.size());
-    std::vector<std::string> said;
-    comparePoints(*reader, records, y.layout, true, progress, said, d);
     preview.notes = std::move(plan.notes);
     return preview;
 }

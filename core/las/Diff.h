@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/edit/History.h"
 #include "core/las/Difference.h"
 #include "core/las/Writer.h"
 
@@ -27,10 +28,17 @@ struct SavePreview {
     std::vector<std::string> notes;  ///< what is left out or upgraded, one sentence each
 };
 
+/// Whether something of A is not in B, or B has another LAS version or point format: what people want to be asked
+/// about before they save.
+bool dropsOrUpgrades(const Difference& difference);
+
 /// Compares the cloud with the file at `original`, from which it was read or to which it was saved last, as
 /// write() with the same arguments would write it. Reads the original once; no memory. Holds cloud.mutex() shared
-/// meanwhile. Throws Error (the original is gone or changed, or the cloud cannot be written so) or Cancelled.
+/// meanwhile. With `changes` (of the cloud's history) it believes these and reads no points, so that it is quick;
+/// the attributes then lack first points and values. Throws Error (the original is gone or changed, or the cloud
+/// cannot be written so) or Cancelled.
 SavePreview previewSave(const PointCloud& cloud, const std::filesystem::path& original,
-                        const std::filesystem::path& target, const WriteOptions& options, Progress& progress);
+                        const std::filesystem::path& target, const WriteOptions& options, Progress& progress,
+                        const std::vector<AttributeChange>* changes = nullptr);
 
 }  // namespace punctum::las

@@ -241,6 +241,22 @@ std::string storage(const SourceFile& s)
     return s.compressed ? "LAZ" : "LAS";
 }
 
+/// The laszip record in words; all of its bytes when it is too short for them.
+std::string compressionText(std::span<const std::byte> data)
+{
+    constexpr std::size_t kHead = 34, kItem = 6, kChunkSizeAt = 12;
+    if (data.size() < kHead) return "0x" + hex(data);
+    const auto u16 = [&](std::size_t at) {
+        return std::to_integer<unsigned>(data[at]) | std::to_integer<unsigned>(data[at + 1]) << 8;
+    };
+    std::uint32_t chunk = 0;
+    std::memcpy(&chunk, data.data() + kChunkSizeAt, sizeof chunk);
+    std::string text = "type " + std::to_string(u16(0)) + ", chunks of " +
+                       (chunk == kVariableChunks || chunk == 0 ? "any size" : std::to_string(chunk)) + ", versions";
+    for (std::size_t at = kHead; at + kItem <= data.size(); at += kItem) text += " " + std::to_string(u16(at + 4));
+    return text;
+}
+
 std::uint64_t recordsAnnounced(const SourceFile& s)
 {
     const auto laszip = std::uint64_t(std::count_if(s.vlrs.begin(), s.vlrs.end(), isLaszip));
@@ -298,10 +314,10 @@ void compareContainers(const SourceFile& a, const SourceFile& b, Difference& d)
     const Vlr *x = a.findVlr(kLaszipUser, kLaszipRecordId), *y = b.findVlr(kLaszipUser, kLaszipRecordId);
     const auto told = [](const Vlr* vlr) -> ToldValue {
         if (vlr == nullptr) return std::monostate{};
-        return hex(vlr->data);
+        return compressionText(vlr->data);
     };
     if (x != nullptr && y != nullptr ? x->data != y->data : a.compressed && b.compressed)
-        d.container.push_back({"laszip_record", "container", told(x), told(y)});
+        d.container.push_back({"compression", "container", told(x), told(y)});
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // Commands and History: what is done can be undone, exactly, and the history keeps its rules.
 #include "core/edit/History.h"
 
+#include "core/task/Progress.h"
 #include "tests/core/MadeCloud.h"
 
 #include <QTest>
@@ -81,6 +82,7 @@ private slots:
     void attributesReplaceWithoutVector();
     void historyKeepsItsRules();
     void historyKnowsWhatWasSaved();
+    void historyTellsWhatDiffers();
     void historyAnswersWhileItChanges();
     void writerGetsInWhileReadersRead();
 };
@@ -355,6 +357,72 @@ void EditTest::historyKnowsWhatWasSaved()
     QVERIFY(history.modified());
     history.markSaved();
     QVERIFY(!history.modified());
+}
+
+void EditTest::historyTellsWhatDiffers()
+{
+    const auto cloud = makeFrame(1000);
+    addBits(*cloud, "Low", "Classification", 0, 4);
+    addBits(*cloud, "High", "Classification", 4, 4);
+    History history(cloud);
+    Progress progress;
+    using Changes = std::vector<AttributeChange>;
+    const auto changes = [&] { return history.changes(progress).value_or(Changes{{"unknown", 0}}); };
+    const auto one = [&](const std::string& name, PointIndex i, int value) {
+        auto points = std::make_shared<PointSet>(cloud->size());
+        points->insert(i);
+        history.push(std::make_unique<ValueCommand>("one", *cloud->findAttribute(name), std::move(points),
+                                                    repeated(std::uint8_t(value), 1)));
+    };
+    const auto set = [&](PointIndex i, int value) { one("Classification", i, value); };
+    QCOMPARE(changes().size(), std::size_t(0));
+    set(1, 0x12);
+    set(2, 0x02);
+    QVERIFY((changes() == Changes{{"Classification", 2}, {"Low", 2}, {"High", 1}}));
+    set(1, 0x10);  // back, in part
+    QVERIFY((changes() == Changes{{"Classification", 2}, {"Low", 1}, {"High", 1}}));
+    set(1, 0);
+    set(2, 0);
+    QVERIFY(changes().empty() && history.modified());
+    history.undo();
+    history.markSaved();
+    QVERIFY(changes().empty());
+    history.undo();
+    history.undo();
+    QVERIFY((changes() == Changes{{"Classification", 1}, {"Low", 1}, {"High", 1}}));  // seen from the other side
+    history.redo();
+    history.redo();
+    QVERIFY(changes().empty());
+
+    // a new attribute is no change of values, nor is an edit of it; one that takes another's values is
+    const auto made = [&](ScalarType type) {
+        Attribute a;
+        a.name = "New";
+        a.columns[0] = std::make_shared<Column>("New", type, cloud->size());
+        a.columns[0]->data()[0] = std::byte(1);
+        std::vector<Attribute> list{a};
+        return std::make_unique<AttributesCommand>("new", list);
+    };
+    history.push(made(ScalarType::U8));
+    one("New", 5, 7);
+    QVERIFY(changes().empty());
+    history.markSaved();
+    history.push(made(ScalarType::U8));  // point 5 is 0 again
+    QVERIFY((changes() == Changes{{"New", 1}}));
+    history.push(made(ScalarType::U16));
+    QVERIFY((changes() == Changes{{"New", 1000}}));
+    history.undo();
+    QVERIFY((changes() == Changes{{"New", 1}}));
+
+    // the saved state is gone
+    history.undo();
+    history.undo();
+    set(3, 3);
+    QVERIFY(!history.changes(progress).has_value());
+    progress.cancel();
+    history.markSaved();
+    set(3, 4);
+    QVERIFY_THROWS_EXCEPTION(Cancelled, history.changes(progress));
 }
 
 void EditTest::historyAnswersWhileItChanges()

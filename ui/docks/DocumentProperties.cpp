@@ -53,6 +53,13 @@ std::vector<PropertySection> documentProperties(const Document& document)
         for (const QString& warning : document.warnings()) warnings.rows.push_back({{}, warning});
         sections.push_back(warnings);
     }
+    if (!document.unsavedChanges().isEmpty())
+        sections.push_back({tr("Unsaved changes"), {{{}, document.unsavedChanges(), {}}}});
+    if (const auto& save = document.lastSave()) {
+        PropertySection saved{tr("Last save"), {{{}, save->sentence, {}}}};
+        if (!save->details.isEmpty()) saved.rows.push_back({{}, tr("Show exactly what differs"), save->details});
+        sections.push_back(saved);
+    }
     sections.push_back({tr("File"),
                         {{tr("Name"), document.name()},
                          {tr("Folder"), document.path().section(QLatin1Char('/'), 0, -2)},

@@ -15,6 +15,7 @@ struct PropertySection {
     struct Row {
         QString name;  ///< empty: the value stands alone
         QString value;
+        QString details = {};  ///< lines of a report that the value leads to; mostly none
     };
     QString title;
     std::vector<Row> rows;

@@ -19,6 +19,8 @@ PropertiesDock::PropertiesDock(QWidget* parent) : QDockWidget(tr("Properties"), 
     m_text->setOpenLinks(false);
     m_text->setAccessibleName(tr("Properties of the file"));
     m_text->document()->setDocumentMargin(10);
+    connect(m_text, &QTextBrowser::anchorClicked, this,
+            [this](const QUrl& url) { emit detailsWanted(m_details.value(url.toString().toInt())); });
     auto* content = new QWidget;
     auto* column = new QVBoxLayout(content);
     column->setContentsMargins(8, 8, 10, 8);
@@ -50,6 +52,7 @@ void PropertiesDock::update()
 {
     const ThemeColors& colors = themeColors();
     QString html;
+    m_details.clear();
     if (!m_document) {
         html = QStringLiteral("<p style='color:%1'>%2</p>").arg(colors.dim.name(), tr("Nothing is open."));
     } else {
@@ -62,8 +65,14 @@ void PropertiesDock::update()
                         .arg(first ? 0 : 12)
                         .arg(colors.accent.name(), section.title.toHtmlEscaped());
             first = false;
-            for (const auto& [name, value] : section.rows) {
-                if (name.isEmpty())
+            for (const auto& [name, value, details] : section.rows) {
+                if (!details.isEmpty()) {
+                    html += QStringLiteral("<tr><td colspan='2'><a style='color:%1' href='%2'>%3</a></td></tr>")
+                                .arg(colors.accent.name())
+                                .arg(m_details.size())
+                                .arg(value.toHtmlEscaped());
+                    m_details << details;
+                } else if (name.isEmpty())
                     html += QStringLiteral("<tr><td colspan='2'>%1</td></tr>").arg(value.toHtmlEscaped());
                 else
                     html += QStringLiteral(

@@ -3,6 +3,7 @@
 
 #include <QDockWidget>
 #include <QPointer>
+#include <QStringList>
 
 class QTextBrowser;
 
@@ -20,6 +21,9 @@ public:
     void setDocument(Document* document);
     QString text() const;
 
+signals:
+    void detailsWanted(const QString& details);
+
 protected:
     void changeEvent(QEvent* event) override;
 
@@ -27,6 +31,7 @@ private:
     void update();
     QPointer<Document> m_document;
     QTextBrowser* m_text = nullptr;
+    QStringList m_details;  ///< what the links lead to
 };
 
 }  // namespace punctum::ui

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "ui/SaveDialogs.h"
+
+#include "ui/style/Icons.h"
+#include "ui/style/Theme.h"
+
+#include <QApplication>
+#include <QClipboard>
+#include <QDialog>
+#include <QDialogButtonBox>
+#include <QFontDatabase>
+#include <QMessageBox>
+#include <QPlainTextEdit>
+#include <QPushButton>
+#include <QVBoxLayout>
+
+#include <algorithm>
+
+namespace punctum::ui
+{
+
+namespace
+{
+constexpr int kColumns = 96;  ///< characters that are seen at once
+constexpr int kMostLines = 32;
+}  // namespace
+
+void showReport(QWidget* parent, const QString& title, const QString& text)
+{
+    auto* dialog = new QDialog(parent);
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    dialog->setObjectName(QStringLiteral("report"));
+    dialog->setWindowTitle(title);
+    auto* lines = new QPlainTextEdit(text);
+    lines->setReadOnly(true);
+    lines->setLineWrapMode(QPlainTextEdit::NoWrap);
+    lines->setFont(QFontDatabase::systemFont(QFontDatabase::FixedFont));
+    lines->setAccessibleName(title);
+    const QFontMetrics metrics(lines->font());
+    const auto shown = int(std::min<qsizetype>(kMostLines, text.count(QLatin1Char('\n')) + 2));
+    lines->setMinimumSize(metrics.averageCharWidth() * kColumns / 2, metrics.lineSpacing() * 8);
+    auto* buttons = new QDialogButtonBox(QDialogButtonBox::Close);
+    QPushButton* copy = buttons->addButton(QObject::tr("&Copy"), QDialogButtonBox::ActionRole);
+    QObject::connect(copy, &QPushButton::clicked, dialog, [text] { QApplication::clipboard()->setText(text); });
+    QObject::connect(buttons, &QDialogButtonBox::rejected, dialog, &QDialog::close);
+    auto* column = new QVBoxLayout(dialog);
+    column->setContentsMargins(16, 16, 16, 12);
+    column->addWidget(lines);
+    column->addWidget(buttons);
+    dialog->resize(metrics.averageCharWidth() * kColumns + 60, metrics.lineSpacing() * shown + 110);
+    dialog->show();
+}
+
+void askBeforeSaving(QWidget* parent, const QString& name, const QString& what, std::function<void(bool)> then)
+{
+    auto* box =
+        new QMessageBox(QMessageBox::NoIcon, QObject::tr("Save"),
+                        QObject::tr("%1 will differ from the opened file in more than your edits.").arg(name),
+                        QMessageBox::Save | QMessageBox::Cancel, parent);
+    box->setObjectName(QStringLiteral("savingQuestion"));
+    box->setIconPixmap(lineIcon(QStringLiteral("warning"), themeColors().warning).pixmap(32, 32));
+    box->setAttribute(Qt::WA_DeleteOnClose);
+    box->setTextFormat(Qt::PlainText);
+    box->setInformativeText(what);
+    box->setDefaultButton(QMessageBox::Save);
+    QObject::connect(box, &QMessageBox::finished, box,
+                     [then = std::move(then)](int answer) { then(answer == QMessageBox::Save); });
+    box->open();
+}
+
+}  // namespace punctum::ui
