@@ -153,6 +153,10 @@ void MainMenu::makeView()
     choice(samples, m_samples, tr("1&6, smoothest, slow"), 16);
     connect(m_samples, &QActionGroup::triggered, &settings,
             [&settings](const QAction* a) { settings.setSamples(a->data().toInt()); });
+    m_eyeDome = add(menu, tr("Eye-Dome &Lighting"), {}, {QKeySequence(Qt::Key_L)},
+                    tr("Shades each point by how far it lies behind its neighbors, so that shapes stand out"),
+                    [this, &settings] { settings.setEyeDome(m_eyeDome->isChecked() ? 1.0 : 0.0); });
+    m_eyeDome->setCheckable(true);
     QMenu* background = menu->addMenu(tr("&Background"));
     m_backgrounds = new QActionGroup(this);
     choice(background, m_backgrounds, tr("&Dark"), int(ViewSettings::Background::Dark));
@@ -313,6 +317,7 @@ void MainMenu::setAppearance(Appearance appearance)
 void MainMenu::takeViewSettings(const ViewSettings& settings)
 {
     checkBy(*m_samples, settings.display().samples);
+    m_eyeDome->setChecked(settings.display().eyeDome > 0);
     checkBy(*m_backgrounds, int(settings.background()));
 }
 

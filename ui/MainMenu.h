@@ -79,6 +79,7 @@ private:
     QActionGroup* m_backends = nullptr;
     QActionGroup* m_backgrounds = nullptr;
     QActionGroup* m_samples = nullptr;
+    QAction* m_eyeDome = nullptr;
     QActionGroup* m_appearances = nullptr;
     std::vector<QAction*> m_needDocument;
     std::vector<QAction*> m_all;

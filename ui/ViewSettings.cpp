@@ -58,6 +58,22 @@ void ViewSettings::setSamples(int samples)
     notify();
 }
 
+void ViewSettings::setEyeDome(double strength)
+{
+    strength = std::clamp(strength, 0.0, 4.0);
+    if (strength == m_display.eyeDome) return;
+    m_display.eyeDome = strength;
+    notify();
+}
+
+void ViewSettings::setBands(int bands)
+{
+    bands = bands < 2 ? 0 : std::min(bands, 64);
+    if (bands == m_display.bands) return;
+    m_display.bands = bands;
+    notify();
+}
+
 void ViewSettings::setBackground(Background background)
 {
     using render::Rgba8;

@@ -31,6 +31,10 @@ public:
     /// 1 to 20, in logical px.
     void setPointSize(double px);
     void setSamples(int samples);
+    /// Strength, 0 to 4; 0: none.
+    void setEyeDome(double strength);
+    /// Steps of the color map, up to 64; less than 2: smooth.
+    void setBands(int bands);
     void setBackground(Background background);
     Background background() const noexcept { return m_background; }
     void setClassColor(unsigned code, render::Rgba8 color);

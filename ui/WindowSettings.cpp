@@ -28,6 +28,8 @@ const QString kAppearance = QStringLiteral("window/appearance");
 const QString kBackend = QStringLiteral("view/backend");
 const QString kPointSize = QStringLiteral("view/pointSize");
 const QString kSamples = QStringLiteral("view/samples");
+const QString kEyeDome = QStringLiteral("view/eyeDome");
+const QString kBands = QStringLiteral("view/bands");
 const QString kColorMap = QStringLiteral("view/colorMap");
 const QString kBackground = QStringLiteral("view/background");
 const QString kRecent = QStringLiteral("files/recent");
@@ -67,6 +69,8 @@ void WindowSettings::restore(QMainWindow& window, ViewSettings& view) const
     window.restoreState(m_values.value(kLayout).toByteArray(), kLayoutVersion);
     view.setPointSize(m_values.value(kPointSize, 1.0).toDouble());
     view.setSamples(m_values.value(kSamples, 1).toInt());
+    view.setEyeDome(m_values.value(kEyeDome, 0.0).toDouble());
+    view.setBands(m_values.value(kBands, 0).toInt());
     view.setColorMap(m_values.value(kColorMap, view.colorMap()).toString());
     view.setBackground(ViewSettings::Background(std::clamp(m_values.value(kBackground, 0).toInt(), 0, 2)));
 }
@@ -78,6 +82,8 @@ void WindowSettings::store(const QMainWindow& window, const ViewSettings& view)
     settings->setValue(kLayout, window.saveState(kLayoutVersion));
     settings->setValue(kPointSize, view.display().pointSize);
     settings->setValue(kSamples, view.display().samples);
+    settings->setValue(kEyeDome, view.display().eyeDome);
+    settings->setValue(kBands, view.display().bands);
     settings->setValue(kColorMap, view.colorMap());
     settings->setValue(kBackground, int(view.background()));
 }

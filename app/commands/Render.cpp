@@ -33,6 +33,8 @@ struct RenderOptions {
     std::string camera;
     int samples = 4;
     double pointSize = 1.0;
+    bool eyeDome = false;
+    int bands = 0;
     std::string backend = "auto";
     std::string background;
     bool bruteForce = false;
@@ -111,6 +113,8 @@ void runRender(const RenderRequest& request, Progress& progress)
     display.range = request.range;
     display.pointSize = options.pointSize;
     display.samples = options.samples;
+    display.eyeDome = options.eyeDome ? 1.0 : 0.0;
+    display.bands = options.bands;
     display.backgroundTop = request.background.top;
     display.backgroundBottom = request.background.bottom;
     renderer.setSize(request.width, request.height);
@@ -202,6 +206,10 @@ void addRender(CLI::App& root, Action& action)
     command.add_option("--point-size", options->pointSize, "Edge of a point in px, 0.1 to 64; default 1")
         ->type_name("PX")
         ->check(CLI::Range(0.1, 64.0));
+    command.add_flag("--edl", options->eyeDome, "Eye-dome lighting: shapes and edges stand out by shading alone");
+    command.add_option("--bands", options->bands, "Show a quantity in so many steps of color, 2 to 64")
+        ->type_name("N")
+        ->check(CLI::Range(2, 64));
     addBackendOption(command, options->backend);
     command
         .add_option("--background", options->background,

@@ -98,4 +98,15 @@ const std::array<ClassStyle, 256>& asprsClasses()
     return kClasses;
 }
 
+ColorTable banded(const ColorTable& table, int bands)
+{
+    if (bands < 2) return table;
+    ColorTable steps;
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+        const std::size_t band = k * std::size_t(bands) / steps.size();
+        steps[k] = table[(2 * band + 1) * steps.size() / (2 * std::size_t(bands))];
+    }
+    return steps;
+}
+
 }  // namespace punctum::render

@@ -30,6 +30,9 @@ const ColorMap& suitableColorMap(std::string_view attribute);
 /// The map of that name; the suitable one when the name is empty or unknown.
 const ColorMap& chosenColorMap(std::string_view name, std::string_view attribute);
 
+/// The map in so many equal steps, each with the color of its middle; less than 2: the map itself.
+ColorTable banded(const ColorTable& table, int bands);
+
 /// A class of the ASPRS standard (LAS 1.4 R15, table 17).
 struct ClassStyle {
     std::string name;  ///< "Ground"; "Class 40" for those without a name

@@ -4,6 +4,7 @@
 #include "core/task/Progress.h"
 #include "render/camera/Projection.h"
 #include "render/raster/LayerLookup.h"
+#include "render/resolve/EyeDome.h"
 
 #include <algorithm>
 #include <chrono>
@@ -318,11 +319,16 @@ void ProgressiveRenderer::resolveImage()
         }
         settings.layers.push_back(colors);
     }
-    settings.colorMap = chosenColorMap(m_display.colorMap, shownAttribute()).table;
+    settings.colorMap = banded(chosenColorMap(m_display.colorMap, shownAttribute()).table, m_display.bands);
     settings.palette = m_display.palette;
     settings.backgroundTop = m_display.backgroundTop;
     settings.backgroundBottom = m_display.backgroundBottom;
     m_backend->resolve(m_scene, settings, m_image);
+    if (m_display.eyeDome > 0) {
+        m_backend->depths(m_depths);
+        const int radius = std::max(1, int(std::lround(m_display.pointSize)));
+        shadeEyeDome(m_depths, !m_camera.orthographic, float(m_display.eyeDome), radius, m_image);
+    }
     m_resolveNeeded = false;
     const double seconds = now() - started;
     m_resolveSeconds = m_resolveSeconds == 0 ? seconds : 0.7 * m_resolveSeconds + 0.3 * seconds;

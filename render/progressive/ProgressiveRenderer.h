@@ -22,6 +22,8 @@ struct DisplaySettings {
     std::array<Rgba8, 256> palette{};                ///< Class; defaults to asprsClasses()
     std::array<bool, 256> classVisible{};            ///< defaults to all
     double pointSize = 1.0;                          ///< px
+    int bands = 0;                                   ///< Scalar: steps of the color map; 0: smooth
+    double eyeDome = 0.0;                            ///< strength of eye-dome lighting, 1 as usual; 0: none
     int samples = 1;                                 ///< a pixel; the next lower of kSampleCounts
     Rgba8 backgroundTop{38, 44, 52, 255};
     Rgba8 backgroundBottom{16, 18, 22, 255};
@@ -115,6 +117,7 @@ private:
     Image m_image;
     FrameCostModel m_cost;
     std::vector<PointId> m_visible;
+    std::vector<float> m_depths;
     double m_resolveSeconds = 0;  ///< what making the picture costs, learnt
     bool m_targetChanged = true;  ///< size or samples: a new, empty buffer is needed
     bool m_layersChanged = true;  ///< ids have new meanings: the buffer must be emptied

@@ -118,6 +118,10 @@ public:
     /// Makes the picture: colours from each layer's store words, samples averaged. scene.layers as drawn.
     virtual void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) = 0;
 
+    /// Depth of each pixel's nearest sample, along the view direction in world units, rows from the top; infinity
+    /// where there is no point.
+    virtual void depths(std::vector<float>& out) = 0;
+
     /// Sample nearest to (x, y) px with a point within `radius` px.
     struct Hit {
         PointId id = kNoPoint;

@@ -709,6 +709,14 @@ void GlPointsBackendTest::picksWhatIsOnScreen()
             }
         QVERIFY(hits > 50);
         QVERIFY2(same >= hits * 98 / 100, qPrintable(QString("%1 of %2").arg(same).arg(hits)));
+        std::vector<float> depths, expected;
+        view.renderer.backend().depths(depths);
+        reference.renderer.backend().depths(expected);
+        QCOMPARE(depths.size(), expected.size());
+        std::size_t unlike = 0;
+        for (std::size_t k = 0; k < depths.size(); ++k)
+            unlike += !(depths[k] == expected[k] || std::abs(depths[k] - expected[k]) < 1e-4f * expected[k]);
+        QVERIFY2(unlike * 50 <= depths.size(), qPrintable(QString::number(unlike)));
         QVERIFY(!view.renderer.backend().pick(-100, -100, 3));
         QVERIFY(!view.renderer.backend().pick(kWidth + 50, 10, 3));
     }

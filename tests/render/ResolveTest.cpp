@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "render/progressive/FrameCostModel.h"
 #include "render/resolve/CpuResolve.h"
+#include "render/resolve/EyeDome.h"
 #include "tests/render/SyntheticCloud.h"
 
 #include <QtTest>
@@ -24,6 +25,9 @@ private Q_SLOTS:
     void samplesAverageByAlpha();
     void backgroundIsAGradient();
     void costModelLearns();
+    void bandsAreEqualSteps();
+    void eyeDomeShadesWhatLiesBehind();
+    void eyeDomeDoesNotDependOnTheScale();
 };
 
 void ResolveTest::colorMapsAreComplete()
@@ -132,6 +136,90 @@ void ResolveTest::costModelLearns()
     model.observe(0, 1.0);
     model.observe(100, 0.0);
     QVERIFY(std::abs(double(model.affordable(0.020)) - 1'000'000) < 1000);
+}
+
+void ResolveTest::bandsAreEqualSteps()
+{
+    const ColorTable& map = findColorMap("turbo")->table;
+    QVERIFY(banded(map, 0) == map);
+    for (const int bands : {2, 3, 7, 64}) {
+        const ColorTable steps = banded(map, bands);
+        std::vector<int> lengths{1};
+        for (std::size_t k = 1; k < steps.size(); ++k) {
+            if (steps[k] == steps[k - 1])
+                ++lengths.back();
+            else
+                lengths.push_back(1);
+        }
+        QCOMPARE(int(lengths.size()), bands);
+        for (const int length : lengths) QVERIFY(std::abs(length - 256 / bands) <= 1);
+    }
+}
+
+namespace
+{
+
+constexpr float kNothing = std::numeric_limits<float>::infinity();
+
+/// A low step down the middle of a slope, with a hole in it, all grey.
+std::vector<float> steps(int width, int height, float near, float scale)
+{
+    std::vector<float> depths;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            depths.push_back(near + scale * (float(y) * 0.1f + (x < width / 2 ? 0.0f : 2.0f)));
+    depths[std::size_t(5 * width + 5)] = kNothing;
+    return depths;
+}
+
+Image greyImage(int width, int height)
+{
+    Image image;
+    image.resize(width, height);
+    std::fill(image.pixels.begin(), image.pixels.end(), Rgba8{200, 200, 200, 255});
+    return image;
+}
+
+}  // namespace
+
+void ResolveTest::eyeDomeShadesWhatLiesBehind()
+{
+    constexpr int kWidth = 60, kHeight = 40;
+    const Image before = greyImage(kWidth, kHeight);
+    const std::vector<float> depths = steps(kWidth, kHeight, 100, 1);
+    Image image = before;
+    shadeEyeDome(depths, false, 1, 1, image);
+    QCOMPARE(image.at(5, 5), before.at(5, 5));  // the hole
+    const auto grey = [&](int x) { return int(image.at(x, 20).r); };
+    QVERIFY2(grey(kWidth / 2) < grey(kWidth / 2 - 1) - 20, "the far side of the step is the dark one");
+    QVERIFY(grey(kWidth / 2 - 1) > 150);
+    QCOMPARE(grey(kWidth / 2 + 10), grey(kWidth - 10));  // a slope is shaded evenly
+    Image strong = before;
+    shadeEyeDome(depths, false, 3, 1, strong);
+    QVERIFY(strong.at(kWidth / 2, 20).r < image.at(kWidth / 2, 20).r);
+    // no strength, or all at one depth: nothing
+    image = before;
+    shadeEyeDome(depths, false, 0, 1, image);
+    QVERIFY(image == before);
+    shadeEyeDome(std::vector<float>(std::size_t(kWidth * kHeight), 7.0f), true, 1, 1, image);
+    QVERIFY(image == before);
+    shadeEyeDome(std::vector<float>(std::size_t(kWidth * kHeight), kNothing), true, 1, 1, image);
+    QVERIFY(image == before);
+}
+
+/// A room and a mountain of the same shape look the same, in both kinds of view.
+void ResolveTest::eyeDomeDoesNotDependOnTheScale()
+{
+    Image room = greyImage(60, 40), mountain = room;
+    shadeEyeDome(steps(60, 40, 1, 0.125f), false, 1, 1, room);
+    shadeEyeDome(steps(60, 40, 4096, 512), false, 1, 1, mountain);
+    for (std::size_t k = 0; k < room.pixels.size(); ++k)
+        QVERIFY(std::abs(room.pixels[k].r - mountain.pixels[k].r) <= 1);
+    room = mountain = greyImage(60, 40);
+    shadeEyeDome(steps(60, 40, 4, 0.5f), true, 1, 1, room);
+    shadeEyeDome(steps(60, 40, 4096, 512), true, 1, 1, mountain);
+    for (std::size_t k = 0; k < room.pixels.size(); ++k)
+        QVERIFY(std::abs(room.pixels[k].r - mountain.pixels[k].r) <= 1);
 }
 
 QTEST_APPLESS_MAIN(ResolveTest)

@@ -67,6 +67,31 @@ private slots:
         QVERIFY(!test.window->menu().undo->isEnabled());
     }
 
+    /// L shades and shades no more; steps of color come from the panel's settings. Nothing else changes.
+    void lightingAndSteps()
+    {
+        NEED_DATA(kAutzen);
+        TestWindow test;
+        QVERIFY(test.settle());
+        test.dropFiles({dataFile(kAutzen)});
+        QVERIFY(test.settle());
+        const auto plain = test.frame();
+        test.window->activateWindow();  // shortcuts want it, and there may be no window manager to see to it
+        QVERIFY(QTest::qWaitForWindowActive(test.window.get()));
+        const auto differs = [&](const std::shared_ptr<const Frame>& from) {
+            return waitFor([&] { return difference(from->image, test.frame()->image) > 0.01; }) && test.settle();
+        };
+        QTest::keyClick(&test.window->viewport(), Qt::Key_L);
+        QVERIFY(differs(plain));
+        QTest::keyClick(&test.window->viewport(), Qt::Key_L);
+        QVERIFY(waitFor([&] { return test.frame()->image == plain->image; }));
+        test.window->showAttribute(QStringLiteral("Z"));
+        QVERIFY(test.settle(QStringLiteral("Z")));
+        const auto smooth = test.frame();
+        test.window->viewSettings().setBands(5);
+        QVERIFY(differs(smooth));
+    }
+
     void opensDroppedFile()
     {
         NEED_DATA(kAutzen);

@@ -6,6 +6,7 @@
 #include "ui/ViewSettings.h"
 #include "ui/style/Theme.h"
 
+#include <QCheckBox>
 #include <QComboBox>
 #include <QDoubleSpinBox>
 #include <QFormLayout>
@@ -16,6 +17,7 @@
 #include <QPainter>
 #include <QPushButton>
 #include <QSignalBlocker>
+#include <QSpinBox>
 #include <QStyle>
 
 #include <cmath>
@@ -70,6 +72,8 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
       m_low(new QLineEdit),
       m_high(new QLineEdit),
       m_auto(new QPushButton(tr("Auto"))),
+      m_bands(new QSpinBox),
+      m_eyeDome(new QCheckBox(tr("Eye-dome lighting"))),
       m_size(new QDoubleSpinBox),
       m_samples(new QComboBox)
 {
@@ -99,6 +103,15 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     connect(m_auto, &QPushButton::clicked, this,
             [this](bool on) { m_settings.setRange(on ? std::nullopt : std::optional(m_range)); });
 
+    m_bands->setRange(1, 64);
+    m_bands->setSpecialValueText(tr("smooth"));
+    m_bands->setToolTip(tr("Steps of color instead of a smooth change, to see levels"));
+    m_bands->setAccessibleName(tr("Steps of color"));
+    connect(m_bands, &QSpinBox::valueChanged, this, [this](int n) { m_settings.setBands(n); });
+    m_eyeDome->setToolTip(
+        tr("Shades each point by how far it lies behind its neighbors, so that shapes stand out (L)"));
+    connect(m_eyeDome, &QCheckBox::toggled, this, [this](bool on) { m_settings.setEyeDome(on ? 1.0 : 0.0); });
+
     m_size->setRange(1.0, 20.0);
     m_size->setSingleStep(0.5);
     m_size->setDecimals(1);
@@ -108,7 +121,9 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     connect(m_size, &QDoubleSpinBox::valueChanged, this, [this](double px) { m_settings.setPointSize(px); });
     m_samples->addItem(tr("1, fast"), 1);
     m_samples->addItem(tr("4, smooth"), 4);
-    m_samples->setToolTip(tr("Samples in each pixel: 4 makes thin things and edges smooth"));
+    m_samples->addItem(tr("8, smoother"), 8);
+    m_samples->addItem(tr("16, smoothest"), 16);
+    m_samples->setToolTip(tr("Samples in each pixel: more make thin things and edges smooth, and take longer"));
     m_samples->setAccessibleName(tr("Samples"));
     connect(m_samples, &QComboBox::activated, this,
             [this] { m_settings.setSamples(m_samples->currentData().toInt()); });
@@ -140,7 +155,9 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     };
     addRow(tr("Colors"), m_map);
     addRow(tr("Range"), range);
+    addRow(tr("Steps"), m_bands);
     addRow(tr("Points"), points);
+    addRow(tr("Light"), m_eyeDome);
 
     connect(&m_settings, &ViewSettings::changed, this, &ColorPanel::takeSettings);
     takeSettings();
@@ -149,17 +166,19 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
 
 void ColorPanel::takeSettings()
 {
-    const QSignalBlocker noMap(m_map), noSize(m_size), noSamples(m_samples);
+    const QSignalBlocker noMap(m_map), noSize(m_size), noSamples(m_samples), noBands(m_bands), noDome(m_eyeDome);
+    m_bands->setValue(std::max(1, m_settings.display().bands));
+    m_eyeDome->setChecked(m_settings.display().eyeDome > 0);
     m_map->setCurrentIndex(std::max(0, m_map->findData(m_settings.colorMap())));
     m_size->setValue(m_settings.display().pointSize);
-    m_samples->setCurrentIndex(m_settings.display().samples > 1 ? 1 : 0);
+    m_samples->setCurrentIndex(std::max(0, m_samples->findData(m_settings.display().samples)));
     m_auto->setChecked(!m_settings.display().range);
 }
 
 void ColorPanel::setKind(std::optional<AttributeKind> kind)
 {
     const bool scalar = kind == AttributeKind::Scalar;
-    for (QWidget* widget : std::initializer_list<QWidget*>{m_map, m_low, m_high, m_auto})
+    for (QWidget* widget : std::initializer_list<QWidget*>{m_map, m_low, m_high, m_auto, m_bands})
         widget->setEnabled(scalar);
     if (!scalar) {
         m_low->clear();

@@ -8,10 +8,12 @@
 #include <optional>
 #include <utility>
 
+class QCheckBox;
 class QComboBox;
 class QDoubleSpinBox;
 class QLineEdit;
 class QPushButton;
+class QSpinBox;
 
 namespace punctum::ui
 {
@@ -40,6 +42,8 @@ private:
     QLineEdit* m_low = nullptr;
     QLineEdit* m_high = nullptr;
     QPushButton* m_auto = nullptr;
+    QSpinBox* m_bands = nullptr;
+    QCheckBox* m_eyeDome = nullptr;
     QDoubleSpinBox* m_size = nullptr;
     QComboBox* m_samples = nullptr;
     std::pair<double, double> m_range{0.0, 0.0};

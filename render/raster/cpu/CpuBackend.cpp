@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 namespace punctum::render
 {
@@ -204,6 +205,20 @@ void CpuBackend::draw(const FrameScene& scene, std::size_t layer, SlotRange slot
 void CpuBackend::resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out)
 {
     resolveCells(cells(), m_size, scene, settings, out);
+}
+
+void CpuBackend::depths(std::vector<float>& out)
+{
+    const auto samples = std::size_t(m_size.samples);
+    out.resize(std::size_t(m_size.width) * std::size_t(m_size.height));
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, out.size(), 1 << 14), [&](const auto& r) {
+        for (std::size_t p = r.begin(); p != r.end(); ++p) {
+            const auto pixel = cells().subspan(p * samples, samples);
+            const std::uint64_t nearest = *std::min_element(pixel.begin(), pixel.end());
+            out[p] = nearest == kEmpty ? std::numeric_limits<float>::infinity()
+                                       : std::bit_cast<float>(std::uint32_t(nearest >> 32));
+        }
+    });
 }
 
 std::optional<RasterBackend::Hit> CpuBackend::pick(int x, int y, int radius)

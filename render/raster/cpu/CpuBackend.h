@@ -29,6 +29,7 @@ public:
     void draw(const FrameScene& scene, std::size_t layer, SlotRange slots) override;
     void finish() override {}
     void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) override;
+    void depths(std::vector<float>& out) override;
     std::optional<Hit> pick(int x, int y, int radius) override;
     double coveredShare() override;
 

@@ -62,6 +62,7 @@ public:
     void draw(const FrameScene& scene, std::size_t layer, SlotRange slots) override;
     void finish() override { GlSync::insert().wait(); }
     void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) override;
+    void depths(std::vector<float>& out) override;
     std::optional<Hit> pick(int x, int y, int radius) override;
     double coveredShare() override;
 
@@ -482,6 +483,13 @@ void GlPointsBackend::resolve(const FrameScene& scene, const ResolveSettings& se
     glGetTexImage(GL_TEXTURE_2D, 0, GL_RED_INTEGER, GL_UNSIGNED_INT, out.pixels.data());
     glBindTexture(GL_TEXTURE_2D, 0);
     checkGlErrors("making the picture");
+}
+
+void GlPointsBackend::depths(std::vector<float>& out)
+{
+    const GlStateGuard guard;
+    m_visibility.depths(out);
+    checkGlErrors("reading depths");
 }
 
 std::optional<RasterBackend::Hit> GlPointsBackend::pick(int x, int y, int radius)

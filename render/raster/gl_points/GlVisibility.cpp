@@ -180,6 +180,40 @@ std::vector<GlVisibility::Command> GlVisibility::readBack(const Band& band, std:
     return commands;
 }
 
+float GlVisibility::Sample::metric() const noexcept
+{
+    constexpr std::uint32_t kSum = 0x3F800000u + 0x2B800000u;  // points.vert.glsl
+    return std::bit_cast<float>(kSum - depth);
+}
+
+void GlVisibility::read(int x, int y, int width, int height, std::vector<Sample>& out)
+{
+    out.resize(std::size_t(width) * std::size_t(height) * std::size_t(m_size.samples));
+    reserve(m_scratch, out.size() * sizeof(Sample));
+    bindTextures();
+    programs().read.use();
+    glUniform4i(0, x, y, width, height);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, m_scratch.id());
+    glDispatchCompute(groups(width, 8), groups(height, 8), 1);
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    m_scratch.read(0, out.data(), out.size() * sizeof(Sample));
+}
+
+void GlVisibility::depths(std::vector<float>& out)
+{
+    const auto width = std::size_t(m_size.width), samples = std::size_t(m_size.samples);
+    out.assign(width * std::size_t(m_size.height), std::numeric_limits<float>::infinity());
+    if (empty()) return;
+    const int rows = int(std::max<std::size_t>(1, m_bandSamples / (width * samples)));
+    std::vector<Sample> band;
+    for (int y = 0; y < m_size.height; y += rows) {
+        read(0, y, m_size.width, std::min(rows, m_size.height - y), band);
+        float* const nearest = out.data() + std::size_t(y) * width;
+        for (std::size_t k = 0; k < band.size(); ++k)
+            if (band[k].id != kNoPoint) nearest[k / samples] = std::min(nearest[k / samples], band[k].metric());
+    }
+}
+
 std::optional<RasterBackend::Hit> GlVisibility::pick(int x, int y, int radius)
 {
     if (empty() || radius < 0) return std::nullopt;
@@ -188,20 +222,9 @@ std::optional<RasterBackend::Hit> GlVisibility::pick(int x, int y, int radius)
     const int y0 = std::max(0, y - radius), y1 = std::min(m_size.height, y + radius + 1);
     if (x0 >= x1 || y0 >= y1) return std::nullopt;
 
-    struct Sample {
-        PointId id;
-        std::uint32_t depth;
-    };
     const std::size_t samples = std::size_t(m_size.samples);
-    std::vector<Sample> found(std::size_t(x1 - x0) * std::size_t(y1 - y0) * samples);
-    reserve(m_scratch, found.size() * sizeof(Sample));
-    bindTextures();
-    programs().read.use();
-    glUniform4i(0, x0, y0, x1 - x0, y1 - y0);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, m_scratch.id());
-    glDispatchCompute(groups(x1 - x0, 8), groups(y1 - y0, 8), 1);
-    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    m_scratch.read(0, found.data(), found.size() * sizeof(Sample));
+    std::vector<Sample> found;
+    read(x0, y0, x1 - x0, y1 - y0, found);
 
     // The nearest pixel wins, in it the nearest point: as the CPU backend has it.
     std::optional<RasterBackend::Hit> best;
@@ -212,8 +235,7 @@ std::optional<RasterBackend::Hit> GlVisibility::pick(int x, int y, int radius)
             for (std::size_t s = 0; s < samples; ++s, ++at) {
                 const int distance = (px - x) * (px - x) + (py - y) * (py - y);
                 if (found[at].id == kNoPoint || distance > bestDistance) continue;
-                constexpr std::uint32_t kSum = 0x3F800000u + 0x2B800000u;  // points.vert.glsl
-                const float depth = std::bit_cast<float>(kSum - found[at].depth);
+                const float depth = found[at].metric();
                 if (best && distance == bestDistance && depth >= best->depth) continue;
                 bestDistance = distance;
                 best = RasterBackend::Hit{found[at].id, depth};

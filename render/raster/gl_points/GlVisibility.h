@@ -49,6 +49,8 @@ public:
     /// Reads a band back; returns the commands, ids relative to their chunk in `list`.
     static std::vector<Command> readBack(const Band& band, std::size_t chunks, std::vector<std::uint32_t>& list);
 
+    /// As RasterBackend has them.
+    void depths(std::vector<float>& out);
     std::optional<RasterBackend::Hit> pick(int x, int y, int radius);
     double coveredShare();
 
@@ -56,6 +58,14 @@ public:
     static std::string shaderHead(int samples);
 
 private:
+    /// As read.comp writes it.
+    struct Sample {
+        PointId id;
+        std::uint32_t depth;            ///< reversed, see points.vert
+        float metric() const noexcept;  ///< along the view direction, world units
+    };
+    void read(int x, int y, int width, int height, std::vector<Sample>& out);
+
     struct Programs {
         GlProgram count, fill, read, covered;
     };
