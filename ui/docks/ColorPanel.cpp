@@ -137,6 +137,9 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     range->addWidget(m_high, 1);
     range->addWidget(m_auto);
 
+    for (QWidget* field : std::initializer_list<QWidget*>{m_bands, m_size, m_eyeDome})
+        field->setMinimumHeight(kFieldHeight);  // as the boxes and fields beside them
+
     auto* points = new QHBoxLayout;
     points->setSpacing(8);
     points->addWidget(m_size, 1);
