@@ -6,11 +6,7 @@
 namespace punctum
 {
 
-namespace
-{
-
-/// The file's name in one line, whatever it is.
-std::string nameOf(const std::filesystem::path& file)
+std::string shownName(const std::filesystem::path& file)
 {
     std::string name = file.filename().string();
     std::replace_if(
@@ -18,17 +14,15 @@ std::string nameOf(const std::filesystem::path& file)
     return name;
 }
 
-}  // namespace
-
 Error::Error(const std::string& sentence) : std::runtime_error(sentence) {}
 
 Error::Error(const std::filesystem::path& file, const std::string& sentence)
-    : std::runtime_error(nameOf(file) + ": " + sentence), m_file(file)
+    : std::runtime_error(shownName(file) + ": " + sentence), m_file(file)
 {
 }
 
 Error::Error(const std::filesystem::path& file, const std::string& sentence, std::uint64_t byteOffset)
-    : std::runtime_error(nameOf(file) + ": " + sentence + " (at byte " + std::to_string(byteOffset) + ")"),
+    : std::runtime_error(shownName(file) + ": " + sentence + " (at byte " + std::to_string(byteOffset) + ")"),
       m_file(file),
       m_byteOffset(byteOffset)
 {

@@ -10,6 +10,9 @@
 namespace punctum
 {
 
+/// The file's name without its folder, in one line whatever it is: control characters become '?'.
+std::string shownName(const std::filesystem::path& file);
+
 /// The one error type of Punctum: a sentence a user can act on.
 ///
 /// Thrown by everything in core and render that can fail because of its input or its surroundings

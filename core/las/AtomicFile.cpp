@@ -2,6 +2,7 @@
 #include "core/las/AtomicFile.h"
 
 #include "core/Error.h"
+#include "core/las/Leftovers.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -11,8 +12,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
-#include <random>
 #include <system_error>
 
 namespace punctum::las
@@ -21,21 +20,11 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::size_t kLongestName = 255;
 constexpr std::size_t kMostAtOnce = std::size_t(64) << 20;  ///< bytes in one write; Linux takes up to 2 GiB
 
 std::string reason(int error)
 {
     return std::generic_category().message(error);
-}
-
-std::string temporaryName(const std::string& name)
-{
-    std::random_device random;
-    char suffix[48];
-    std::snprintf(suffix, sizeof suffix, ".tmp-%ld-%08x", long(::getpid()), unsigned(random()));
-    const std::string full = "." + name + suffix;
-    return full.size() <= kLongestName ? full : ".punctum" + std::string(suffix);
 }
 
 /// Keeps SIGXFSZ (a file beyond the size limit) from ending the program: the write then fails with EFBIG.

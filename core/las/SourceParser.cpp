@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "core/las/Crs.h"
 #include "core/las/File.h"
+#include "core/las/Leftovers.h"
 
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
@@ -54,6 +55,7 @@ public:
             makeLayout(m_s.header.pointFormat(), m_s.header.recordLength(), records, m_s.coordinates, m_s.warnings);
         describe();
         sample();
+        for (const std::string& sentence : unfinishedSaves(m_s.path)) warn(sentence);
         m_parsed.source = m_source;
         return std::move(m_parsed);
     }

@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "core/las/AtomicFile.h"
 #include "core/las/ChunkWriter.h"
+#include "core/las/Leftovers.h"
 #include "core/las/Parallel.h"
 #include "core/las/SourceParser.h"
 #include "core/las/WritePlan.h"
@@ -156,6 +157,7 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
         if (file.hasOtherNames())
             plan.notes.push_back("The file had other names (hard links); they keep the old contents.");
         const FileStamp stamp = file.commit();
+        for (std::string& sentence : unfinishedSaves(file.target())) plan.notes.push_back(std::move(sentence));
         if (source != nullptr) source->current->set({file.target(), stamp, true, pristine});
         return {maker.points(), written.bytes, written.chunks.copied, written.chunks.encoded,
                 std::move(plan.notes)};

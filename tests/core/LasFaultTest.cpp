@@ -1,0 +1,507 @@
+// SPDX-License-Identifier: MIT
+#include "core/Error.h"
+#include "core/las/Reader.h"
+#include "core/las/Writer.h"
+#include "core/task/Progress.h"
+#include "tests/core/LasFiles.h"
+
+#include <QCoreApplication>
+#include <QProcess>
+#include <QTemporaryDir>
+#include <QTest>
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <functional>
+#include <mutex>
+
+using namespace punctum;
+using lasfiles::Bytes;
+namespace fs = std::filesystem;
+
+/// What a save asks of the system can fail at each step: these functions stand before those of the C library in
+/// this program, and let the k-th of those that concern the test's folder fail.
+namespace faults
+{
+
+enum class Kind { Error, Short, KillBefore, KillInside };
+
+struct Step {
+    std::string call;     ///< "pwrite"
+    bool folder = false;  ///< of the folder itself, not of a file
+};
+
+std::atomic<bool> g_armed{false};
+std::mutex g_mutex;
+std::string g_folder;       ///< calls elsewhere are not counted
+std::vector<Step> g_steps;  ///< so far
+std::size_t g_fails = 0;    ///< number of the step that fails, from 1; 0: none
+Kind g_kind = Kind::Error;
+int g_errno = 0;
+
+std::string pathOf(int descriptor)
+{
+    char path[4096];
+    const ssize_t n = ::readlink(("/proc/self/fd/" + std::to_string(descriptor)).c_str(), path, sizeof path);
+    return n > 0 ? std::string(path, std::size_t(n)) : std::string();
+}
+
+/// Counts a call; true when it is the one to fail. errno is kept.
+bool fails(const char* call, const std::string& path)
+{
+    if (!g_armed) return false;
+    const int before = errno;
+    bool now = false;
+    {
+        const std::lock_guard lock(g_mutex);
+        if (path.starts_with(g_folder)) {
+            g_steps.push_back({call, path.size() <= g_folder.size() + 1});
+            now = g_steps.size() == g_fails;
+        }
+    }
+    if (now && g_kind == Kind::KillBefore) ::kill(::getpid(), SIGKILL);
+    errno = before;
+    return now;
+}
+int error()
+{
+    errno = g_errno;
+    return -1;
+}
+
+template <typename F>
+F next(const char* name)
+{
+    return reinterpret_cast<F>(::dlsym(RTLD_NEXT, name));
+}
+
+using Write = ssize_t (*)(int, const void*, std::size_t, off_t);
+
+ssize_t write(const char* name, int descriptor, const void* bytes, std::size_t size, off_t offset)
+{
+    static const auto real = next<Write>("pwrite");
+    if (!fails(name, pathOf(descriptor))) return real(descriptor, bytes, size, offset);
+    if (g_kind == Kind::Error) return error();
+    const ssize_t written = real(descriptor, bytes, (size + 1) / 2, offset);
+    if (g_kind == Kind::KillInside) ::kill(::getpid(), SIGKILL);
+    return written;
+}
+
+/// From here on the calls are counted; the `step`-th of them fails.
+class Armed
+{
+public:
+    Armed(const fs::path& folder, std::size_t step, Kind kind, int error)
+    {
+        g_folder = folder;
+        g_steps.clear();
+        g_fails = step;
+        g_kind = kind;
+        g_errno = error;
+        g_armed = true;
+    }
+    ~Armed() { g_armed = false; }
+    Armed(const Armed&) = delete;
+    Armed& operator=(const Armed&) = delete;
+};
+
+}  // namespace faults
+
+extern "C" {
+ssize_t pwrite(int descriptor, const void* bytes, std::size_t size, off_t offset)
+{
+    return faults::write("pwrite", descriptor, bytes, size, offset);
+}
+ssize_t pwrite64(int descriptor, const void* bytes, std::size_t size, off_t offset)
+{
+    return faults::write("pwrite", descriptor, bytes, size, offset);
+}
+ssize_t write(int descriptor, const void* bytes, std::size_t size)
+{
+    static const auto real = faults::next<ssize_t (*)(int, const void*, std::size_t)>("write");
+    if (faults::g_armed && faults::fails("write", faults::pathOf(descriptor))) return faults::error();
+    return real(descriptor, bytes, size);
+}
+int fsync(int descriptor)
+{
+    static const auto real = faults::next<int (*)(int)>("fsync");
+    return faults::fails("fsync", faults::pathOf(descriptor)) ? faults::error() : real(descriptor);
+}
+int fdatasync(int descriptor)
+{
+    static const auto real = faults::next<int (*)(int)>("fdatasync");
+    return faults::fails("fsync", faults::pathOf(descriptor)) ? faults::error() : real(descriptor);
+}
+int ftruncate(int descriptor, off_t size) noexcept
+{
+    static const auto real = faults::next<int (*)(int, off_t)>("ftruncate");
+    return faults::fails("ftruncate", faults::pathOf(descriptor)) ? faults::error() : real(descriptor, size);
+}
+int fchmod(int descriptor, mode_t mode) noexcept
+{
+    static const auto real = faults::next<int (*)(int, mode_t)>("fchmod");
+    return faults::fails("fchmod", faults::pathOf(descriptor)) ? faults::error() : real(descriptor, mode);
+}
+int fchown(int descriptor, uid_t owner, gid_t group) noexcept
+{
+    static const auto real = faults::next<int (*)(int, uid_t, gid_t)>("fchown");
+    return faults::fails("fchown", faults::pathOf(descriptor)) ? faults::error() : real(descriptor, owner, group);
+}
+int rename(const char* from, const char* to) noexcept
+{
+    static const auto real = faults::next<int (*)(const char*, const char*)>("rename");
+    return faults::fails("rename", from) ? faults::error() : real(from, to);
+}
+int close(int descriptor)
+{
+    static const auto real = faults::next<int (*)(int)>("close");
+    if (!faults::g_armed) return real(descriptor);
+    const bool fails = faults::fails("close", faults::pathOf(descriptor));
+    const int result = real(descriptor);  // Linux closes the file even then
+    return fails ? faults::error() : result;
+}
+}
+
+/// Saves that fail at every step they can fail at: the original stays as it was, nothing is left beside it, and one
+/// sentence says why. Saves that are killed at every step.
+class LasFaultTest : public QObject
+{
+    Q_OBJECT
+
+private slots:
+    void everyStepFails_data();
+    void everyStepFails();
+    void killedAtEveryStep_data();
+    void killedAtEveryStep();
+    void leftoversOfLongNames();
+    void fileSizeLimit_data();
+    void fileSizeLimit();
+    void fullFileSystem();
+
+private:
+    fs::path folder() const { return fs::canonical(m_dir.path().toStdString()); }
+    std::vector<std::string> names() const
+    {
+        std::vector<std::string> all;
+        for (const auto& e : fs::directory_iterator(folder())) all.push_back(e.path().filename().string());
+        std::sort(all.begin(), all.end());
+        return all;
+    }
+    QTemporaryDir m_dir;
+};
+
+namespace
+{
+
+constexpr std::size_t kPlainPoints = 31000;      ///< two blocks, which are written one by one
+constexpr std::size_t kCompressedPoints = 2500;  ///< three chunks
+constexpr std::uint16_t kLength = 36;
+constexpr const char* kSaveArgument = "--save";
+
+/// Points, records around them and a tail: every part that a save writes.
+Bytes original(bool compressed)
+{
+    const std::size_t count = compressed ? kCompressedPoints : kPlainPoints;
+    const Bytes points = lasfiles::randomRecords(7, kLength, count, 3, true);
+    Bytes head = lasfiles::header(4, 7, kLength, count);
+    lasfiles::set<std::uint16_t>(head, 6, 16);
+    const Bytes evlr = lasfiles::record("late", 1, Bytes(500, std::byte('e')), true);
+    if (compressed) {
+        Bytes b = lasfiles::lazFile(7, kLength, points, 1000);
+        lasfiles::set<std::uint16_t>(b, 6, 16);
+        lasfiles::set<std::uint64_t>(b, 235, b.size());
+        lasfiles::set<std::uint32_t>(b, 243, 1);
+        lasfiles::append(b, evlr);
+        return b;
+    }
+    lasfiles::set<std::uint64_t>(head, 235, head.size() + 54 + 20 + points.size());
+    lasfiles::set<std::uint32_t>(head, 243, 1);
+    return lasfiles::file(head, {lasfiles::record("early", 1, Bytes(20))}, points, evlr);
+}
+
+std::shared_ptr<PointCloud> loadAndEdit(const fs::path& path)
+{
+    Progress progress;
+    auto cloud = las::load(path, progress);
+    const auto classes = cloud->findAttribute("Classification")->columns[0];
+    for (std::size_t i = 0; i < cloud->size(); i += 7) classes->values<std::uint8_t>()[i] = 6;
+    return cloud;
+}
+
+las::WriteReport save(const PointCloud& cloud, const fs::path& path)
+{
+    las::WriteOptions options;
+    options.compressed = las::isCompressedName(path);
+    Progress progress;
+    return las::write(cloud, path, options, progress);
+}
+
+bool mentions(const std::vector<std::string>& sentences, const std::string& part)
+{
+    return std::any_of(sentences.begin(), sentences.end(),
+                       [&](const std::string& s) { return s.find(part) != std::string::npos; });
+}
+
+void kinds()
+{
+    QTest::addColumn<bool>("compressed");
+    QTest::newRow("LAS") << false;
+    QTest::newRow("LAZ") << true;
+}
+
+/// What this program does when it runs itself: saves a file and is killed at a step of it.
+int saveAndDie(char** arguments)
+{
+    const fs::path path = arguments[2];
+    const auto cloud = loadAndEdit(path);
+    const auto kind =
+        std::strcmp(arguments[4], "inside") == 0 ? faults::Kind::KillInside : faults::Kind::KillBefore;
+    const faults::Armed armed(path.parent_path(), std::size_t(std::atoi(arguments[3])), kind, 0);
+    save(*cloud, path);
+    return 0;
+}
+
+}  // namespace
+
+void LasFaultTest::everyStepFails_data()
+{
+    kinds();
+}
+
+void LasFaultTest::everyStepFails()
+{
+    QFETCH(bool, compressed);
+    const fs::path path = folder() / (compressed ? "a.laz" : "a.las");
+    const Bytes before = original(compressed);
+    lasfiles::writeFile(path, before);
+    std::vector<faults::Step> steps;
+    {
+        const auto cloud = loadAndEdit(path);
+        const faults::Armed armed(folder(), 0, faults::Kind::Error, 0);
+        save(*cloud, path);
+        steps = faults::g_steps;
+    }
+    const Bytes after = lasfiles::readFile(path);
+    QVERIFY(after != before);
+    const auto count = [&](const char* call) {
+        return std::count_if(steps.begin(), steps.end(), [&](const faults::Step& s) { return s.call == call; });
+    };
+    QVERIFY(count("pwrite") >= 4 && count("fsync") == 2 && count("rename") == 1);
+
+    const std::tuple<faults::Kind, int, const char*> ways[] = {{faults::Kind::Error, ENOSPC, "disk is full"},
+                                                               {faults::Kind::Error, EIO, "error"},
+                                                               {faults::Kind::Error, EINTR, ""},
+                                                               {faults::Kind::Short, 0, ""}};
+    for (std::size_t k = 1; k <= steps.size(); ++k) {
+        const faults::Step& step = steps[k - 1];
+        for (const auto& [kind, error, said] : ways) {
+            if (kind == faults::Kind::Short && step.call != "pwrite") continue;
+            lasfiles::writeFile(path, before);
+            const auto cloud = loadAndEdit(path);
+            const auto beside = names();
+            std::string sentence;
+            try {
+                const faults::Armed armed(folder(), k, kind, error);
+                save(*cloud, path);
+            } catch (const Error& e) {
+                sentence = e.what();
+            }
+            const std::string where = "step " + std::to_string(k) + ", " + step.call +
+                                      (step.folder ? " of the folder" : "") + ", errno " + std::to_string(error) +
+                                      ": " + sentence;
+            // Interrupted and short writes go on, and a folder that cannot be synced has the file all the same.
+            const bool must = !step.folder && kind == faults::Kind::Error && error != EINTR &&
+                              (step.call == "pwrite" || step.call == "fsync" || step.call == "rename" ||
+                               step.call == "ftruncate" || step.call == "fchmod");
+            const bool mustNot = step.call == "pwrite" && !must;
+            QVERIFY2(!must || sentence.find(said) != std::string::npos, where.c_str());
+            QVERIFY2(!must || !sentence.empty(), where.c_str());
+            QVERIFY2(!mustNot || sentence.empty(), where.c_str());
+            QVERIFY2(sentence.empty() || (sentence.starts_with(path.filename().string() + ": ") &&
+                                          sentence.ends_with('.') && sentence.find('\n') == std::string::npos),
+                     where.c_str());
+            QVERIFY2(lasfiles::readFile(path) == (sentence.empty() ? after : before), where.c_str());
+            QVERIFY2(names() == beside, where.c_str());
+            if (!sentence.empty() && error == EIO) {  // the document is as it was: it can be saved now
+                save(*cloud, path);
+                QVERIFY2(lasfiles::readFile(path) == after, where.c_str());
+            }
+        }
+    }
+}
+
+void LasFaultTest::killedAtEveryStep_data()
+{
+    kinds();
+}
+
+void LasFaultTest::killedAtEveryStep()
+{
+    QFETCH(bool, compressed);
+    const fs::path path = folder() / (compressed ? "k.laz" : "k.las");
+    const Bytes before = original(compressed);
+    lasfiles::writeFile(path, before);
+    save(*loadAndEdit(path), path);
+    const Bytes after = lasfiles::readFile(path);
+    int replaced = 0, left = 0;
+    for (const char* where : {"before", "inside"}) {
+        bool ended = false;
+        for (int k = 1; !ended; ++k) {
+            QVERIFY(k < 100);
+            lasfiles::writeFile(path, before);
+            const auto beside = names();
+            QProcess process;
+            process.start(QCoreApplication::applicationFilePath(),
+                          {kSaveArgument, QString::fromStdString(path.string()), QString::number(k), where});
+            QVERIFY(process.waitForFinished(60000));
+            ended = process.exitStatus() == QProcess::NormalExit;
+            if (ended) QCOMPARE(process.exitCode(), 0);
+            const Bytes now = lasfiles::readFile(path);
+            QVERIFY2(now == before || now == after, where);
+            replaced += now == after ? 1 : 0;
+
+            auto more = names();
+            QVERIFY(more.size() <= beside.size() + 1);
+            if (more.size() == beside.size()) continue;
+            std::erase_if(more, [&](const std::string& n) {
+                return std::find(beside.begin(), beside.end(), n) != beside.end();
+            });
+            QVERIFY(more.size() == 1 && more[0].starts_with("." + path.filename().string() + ".tmp-"));
+            ++left;
+            // What is left is named when the file is opened and when it is saved, and is not touched.
+            const auto reader = las::Reader::open(path);
+            QVERIFY(mentions(reader->source()->warnings, more[0]));
+            QVERIFY(!reader->source()->recovered);
+            QVERIFY(mentions(save(*loadAndEdit(path), path).notes, more[0]));
+            QVERIFY(lasfiles::readFile(path) == after);
+            QVERIFY(fs::remove(folder() / more[0]));
+            QVERIFY(!mentions(las::Reader::open(path)->source()->warnings, "cut off"));
+        }
+    }
+    QVERIFY(left > 5 && replaced >= 2);
+}
+
+void LasFaultTest::leftoversOfLongNames()
+{
+    // Other files are no leftovers: of a running process, of another name, of another form.
+    const fs::path path = folder() / "b.las";
+    lasfiles::writeFile(path, original(false));
+    for (const std::string& name :
+         {".b.las.tmp-" + std::to_string(::getpid()) + "-0123abcd", std::string(".b.las.tmp-1-0123abcd"),
+          std::string(".bb.las.tmp-999999999-0123abcd"), std::string(".b.las.tmp-x"),
+          std::string(".b.las.tmp-999999999-0123abc"), std::string(".b.las.tmp-999999999-0123abcg")})
+        lasfiles::writeFile(folder() / name, Bytes(1));
+    QVERIFY(las::Reader::open(path)->source()->warnings.empty());
+    lasfiles::writeFile(folder() / ".b.las.tmp-999999999-0123abcd", Bytes(1));
+    QVERIFY(mentions(las::Reader::open(path)->source()->warnings, ".b.las.tmp-999999999-0123abcd"));
+
+    // A name that leaves no room for more has its leftovers under a common one.
+    const fs::path longName = folder() / (std::string(251, 'x') + ".las");
+    lasfiles::writeFile(longName, original(false));
+    QVERIFY(las::Reader::open(longName)->source()->warnings.empty());
+    lasfiles::writeFile(folder() / ".punctum.tmp-999999999-0123abcd", Bytes(1));
+    QVERIFY(mentions(las::Reader::open(longName)->source()->warnings, ".punctum.tmp-999999999"));
+}
+
+void LasFaultTest::fileSizeLimit_data()
+{
+    kinds();
+}
+
+void LasFaultTest::fileSizeLimit()
+{
+    QFETCH(bool, compressed);
+    const fs::path path = folder() / (compressed ? "l.laz" : "l.las");
+    const Bytes before = original(compressed);
+    lasfiles::writeFile(path, before);
+    save(*loadAndEdit(path), path);
+    const Bytes after = lasfiles::readFile(path);
+    lasfiles::writeFile(path, before);
+    const auto cloud = loadAndEdit(path);
+    const auto beside = names();
+    const std::size_t head = lasfiles::get<std::uint32_t>(after, 96);
+    std::vector<std::size_t> limits = {0,
+                                       1,
+                                       226,
+                                       375,
+                                       head - 1,
+                                       head,
+                                       head + 1,
+                                       head + 9,
+                                       after.size() - 561,
+                                       after.size() - 560,
+                                       after.size() - 1};
+    for (std::size_t k = 1; k < 20; ++k) limits.push_back(after.size() * k / 20);
+    struct rlimit was {
+    };
+    QCOMPARE(::getrlimit(RLIMIT_FSIZE, &was), 0);
+    for (const std::size_t limit : limits) {
+        const struct rlimit low {
+            rlim_t(limit), was.rlim_max
+        };
+        std::string said;
+        ::setrlimit(RLIMIT_FSIZE, &low);
+        try {
+            save(*cloud, path);
+        } catch (const Error& e) {
+            said = e.what();
+        }
+        ::setrlimit(RLIMIT_FSIZE, &was);
+        QVERIFY2(said.find("too large for this disk; nothing was changed.") != std::string::npos,
+                 (std::to_string(limit) + ": " + said).c_str());
+        QVERIFY(lasfiles::readFile(path) == before);
+        QCOMPARE(names(), beside);
+    }
+    save(*cloud, path);
+    QVERIFY(lasfiles::readFile(path) == after);
+}
+
+void LasFaultTest::fullFileSystem()
+{
+    const fs::path disk = folder() / "disk";
+    fs::create_directory(disk);
+    if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=128k") != 0) QSKIP("no file system can be mounted here");
+    struct Unmount {
+        fs::path path;
+        ~Unmount() { ::umount(path.c_str()); }
+    };
+    const Unmount unmount{disk};
+    const fs::path source = folder() / "big.las";
+    lasfiles::writeFile(source, original(false));
+    const auto cloud = loadAndEdit(source);
+    for (const char* name : {"small.las", "small.laz"}) {
+        const fs::path target = disk / name;
+        const Bytes small(1000, std::byte('s'));
+        lasfiles::writeFile(target, small);
+        std::string said;
+        try {
+            save(*cloud, target);
+        } catch (const Error& e) {
+            said = e.what();
+        }
+        QVERIFY2(said.starts_with(std::string(name) + ": ") && (said.find("disk is full") != std::string::npos ||
+                                                                said.find("not enough room") != std::string::npos),
+                 said.c_str());
+        QVERIFY(lasfiles::readFile(target) == small);
+        fs::remove(target);
+        QVERIFY(fs::is_empty(disk));
+    }
+}
+
+int main(int argc, char** argv)
+{
+    if (argc == 5 && std::strcmp(argv[1], kSaveArgument) == 0) return saveAndDie(argv);
+    QCoreApplication app(argc, argv);
+    LasFaultTest test;
+    return QTest::qExec(&test, argc, argv);
+}
+
+#include "LasFaultTest.moc"
