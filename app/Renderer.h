@@ -42,6 +42,16 @@ private:
 /// Adds --backend, which takes the names above.
 void addBackendOption(CLI::App& command, std::string& backend);
 
+/// A picture of every point and what was found on the way.
+struct Picture {
+    render::Image image;
+    double covered = 0;  ///< share of the pixels that have a point
+};
+/// Draws a picture of this size, large ones tile by tile, so that memory holds little more than the picture.
+/// Display and camera have been set. `bruteForce`: in one pass. Throws Error, Cancelled.
+Picture drawPicture(render::ProgressiveRenderer& renderer, int width, int height, bool bruteForce,
+                    Progress& progress);
+
 /// Draws until the picture shows every point, progressively or in one pass. Throws Error, Cancelled.
 void drawAll(render::ProgressiveRenderer& renderer, bool bruteForce, Progress& progress);
 

@@ -117,7 +117,6 @@ void runRender(const RenderRequest& request, Progress& progress)
     display.bands = options.bands;
     display.backgroundTop = request.background.top;
     display.backgroundBottom = request.background.bottom;
-    renderer.setSize(request.width, request.height);
     renderer.setDisplay(display);
     for (const DrawableCloud& loaded : clouds) {
         renderer.addCloud(loaded.store);
@@ -131,10 +130,8 @@ void runRender(const RenderRequest& request, Progress& progress)
     if (!options.camera.empty()) camera = readCamera(options.camera, camera, bounds, size);
     renderer.setCamera(camera);
 
-    drawAll(renderer, options.bruteForce, progress);
-    const double covered = renderer.coveredShare();
-    progress.check();
-    writePng(renderer.image(), options.out);
+    const Picture picture = drawPicture(renderer, request.width, request.height, options.bruteForce, progress);
+    writePng(picture.image, options.out);
 
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     if (options.json)
@@ -146,7 +143,7 @@ void runRender(const RenderRequest& request, Progress& progress)
                    {"device", renderer.backend().description()},
                    {"attribute", renderer.shownAttribute()},
                    {"range", {renderer.range().first, renderer.range().second}},
-                   {"covered", covered},
+                   {"covered", picture.covered},
                    {"camera", jsonOf(camera)},
                    {"seconds", seconds.count()}});
     else

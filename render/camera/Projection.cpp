@@ -18,7 +18,7 @@ constexpr double kNearShare = 1e-3;
 
 }  // namespace
 
-LayerProjection makeProjection(const Camera& camera, const PointStore& store, const TargetSize& size,
+LayerProjection makeProjection(const Camera& camera, const PointStore& store, const PicturePart& part,
                                double pointSizePx)
 {
     const CoordinateScale& grid = store.cloud().coordinates();
@@ -29,8 +29,8 @@ LayerProjection makeProjection(const Camera& camera, const PointStore& store, co
     const glm::dvec3 toReference = (reference - eyeLocal) * unit;  // world, from the eye
 
     const glm::dvec3 right = camera.right(), up = camera.up(), forward = camera.forward();
-    const double focal = size.height / 2.0 / std::tan(camera.fovY / 2);  // px
-    const double centerX = size.width / 2.0, centerY = size.height / 2.0;
+    const double focal = part.height / 2.0 / std::tan(camera.fovY / 2);  // px
+    const double centerX = part.width / 2.0 - part.x, centerY = part.height / 2.0 - part.y;
 
     const auto row = [&](const glm::dvec3& axis, double constant) {
         return glm::vec4(glm::vec3(axis * unit), float(glm::dot(axis, toReference) + constant));

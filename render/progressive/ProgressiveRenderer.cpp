@@ -2,7 +2,6 @@
 #include "render/progressive/ProgressiveRenderer.h"
 
 #include "core/task/Progress.h"
-#include "render/camera/Projection.h"
 #include "render/raster/LayerLookup.h"
 #include "render/resolve/EyeDome.h"
 
@@ -139,6 +138,13 @@ void ProgressiveRenderer::setSize(int width, int height)
     m_targetChanged = true;
 }
 
+void ProgressiveRenderer::setPart(std::optional<PicturePart> part)
+{
+    if (part == m_part) return;
+    m_part = part;
+    m_viewChanged = true;
+}
+
 void ProgressiveRenderer::setCamera(const Camera& camera)
 {
     if (camera == m_camera) return;
@@ -184,9 +190,10 @@ void ProgressiveRenderer::updateScene()
                                    [&](int count) { return count <= m_display.samples; });
     m_scene.layers.clear();
     PointId firstId = 0;
+    const PicturePart part = m_part.value_or(PicturePart{0, 0, m_size.width, m_size.height});
     for (const auto& entry : m_entries) {
         m_scene.layers.push_back(
-            {entry->store.get(), firstId, makeProjection(m_camera, *entry->store, m_size, m_display.pointSize)});
+            {entry->store.get(), firstId, makeProjection(m_camera, *entry->store, part, m_display.pointSize)});
         firstId += entry->store->slotCount();
     }
     m_scene.classVisible = m_display.classVisible;
@@ -323,8 +330,9 @@ void ProgressiveRenderer::resolveImage()
     settings.palette = m_display.palette;
     settings.backgroundTop = m_display.backgroundTop;
     settings.backgroundBottom = m_display.backgroundBottom;
+    if (m_part) settings.rows = {m_part->y, m_part->height};
     m_backend->resolve(m_scene, settings, m_image);
-    if (m_display.eyeDome > 0) {
+    if (m_display.eyeDome > 0 && !m_part) {
         m_backend->depths(m_depths);
         const int radius = std::max(1, int(std::lround(m_display.pointSize)));
         shadeEyeDome(m_depths, !m_camera.orthographic, float(m_display.eyeDome), radius, m_image);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "render/camera/Camera.h"
+#include "render/camera/Projection.h"
 #include "render/progressive/FrameCostModel.h"
 #include "render/raster/Backend.h"
 
@@ -71,6 +72,9 @@ public:
 
     // -- view
     void setSize(int width, int height);
+    /// Draws a part, of setSize(), of a larger picture; none: all of it. Nothing of the picture as a whole is in it
+    /// then but the background: no eye-dome lighting.
+    void setPart(std::optional<PicturePart> part);
     void setCamera(const Camera& camera);
     const Camera& camera() const noexcept { return m_camera; }
     void setDisplay(const DisplaySettings& display);
@@ -86,6 +90,8 @@ public:
     /// All points in one pass, no progression: the reference image.
     FrameReport renderBruteForce();
     const Image& image() const noexcept { return m_image; }
+    /// Of each pixel, as RasterBackend::depths().
+    void depths(std::vector<float>& out) { m_backend->depths(out); }
     bool converged() const noexcept;
 
     /// The point nearest to a px, of those on screen.
@@ -113,6 +119,7 @@ private:
     Camera m_camera;
     DisplaySettings m_display;
     TargetSize m_size;
+    std::optional<PicturePart> m_part;
     std::pair<double, double> m_range{0.0, 1.0};
     Image m_image;
     FrameCostModel m_cost;

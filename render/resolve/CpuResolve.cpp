@@ -32,7 +32,8 @@ Rgba8 average(const Rgba8* colors, std::uint32_t count) noexcept
 
 Rgba8 backgroundOf(int row, int height, const ResolveSettings& settings) noexcept
 {
-    const int last = std::max(1, height - 1);
+    row += settings.rows.first;
+    const int last = std::max(1, (settings.rows.count > 0 ? settings.rows.count : height) - 1);
     const auto blend = [&](std::uint8_t top, std::uint8_t bottom) {
         return std::uint8_t((top * (last - row) + bottom * row + last / 2) / last);
     };

@@ -25,6 +25,10 @@ struct ResolveSettings {
     Rgba8 noValue{128, 128, 128, 255};
     Rgba8 backgroundTop{38, 44, 52, 255};  ///< alpha 0 in both: transparent
     Rgba8 backgroundBottom{16, 18, 22, 255};
+    struct Rows {
+        int first = 0;  ///< of the background that lies behind the picture's first row
+        int count = 0;  ///< of the whole background; 0: as many as the picture has
+    } rows;
 };
 
 /// The colour of one word: the reference that every backend follows.

@@ -3,6 +3,7 @@
 #include "tests/cli/Program.h"
 
 #include <QImage>
+#include <QImageReader>
 #include <QTemporaryDir>
 
 #include <algorithm>
@@ -75,6 +76,39 @@ private slots:
         QVERIFY2(covered > 0.1 && covered < 0.9, qPrintable(QString::number(covered)));
         QCOMPARE(qAlpha(picture.pixel(0, 0)), 0);
         QVERIFY(qAlpha(picture.pixel(320, 200)) != 0);
+    }
+
+    /// Larger than what is drawn in one piece: made of tiles, which nobody sees.
+    void largePictures()
+    {
+        const Outcome run = runPunctum({"render", path("in.las"), "-o", path("large.png"), "--size", "9000x7800",
+                                        "--samples", "1", "--point-size", "12", "--edl", "--json"});
+        PUNCTUM_EXIT(run, 0);
+        const Outcome small = runPunctum({"render", path("in.las"), "-o", path("small.png"), "--size", "900x780",
+                                          "--samples", "1", "--point-size", "1.2", "--edl", "--json"});
+        PUNCTUM_EXIT(small, 0);
+        const auto covered = [](const Outcome& o) {
+            return QJsonDocument::fromJson(o.out).object().value("covered").toDouble();
+        };
+        QVERIFY(std::abs(covered(run) - covered(small)) < 0.03);
+        QImageReader::setAllocationLimit(512);  // MB
+        const QImage picture = pictureOf(path("large.png"));
+        QCOMPARE(picture.size(), QSize(9000, 7800));
+        // across the seams colors change no more than beside them
+        const auto change = [&](int x) {
+            double sum = 0;
+            for (int y = 0; y < picture.height(); y += 3) {
+                const QRgb a = picture.pixel(x - 1, y), b = picture.pixel(x, y);
+                sum +=
+                    std::abs(qRed(a) - qRed(b)) + std::abs(qGreen(a) - qGreen(b)) + std::abs(qBlue(a) - qBlue(b));
+            }
+            return sum;
+        };
+        for (const int seam : {2048, 4096, 6144}) {
+            double beside = 0;
+            for (const int d : {-30, -20, -10, 10, 20, 30}) beside = std::max(beside, change(seam + d));
+            QVERIFY2(change(seam) < 1.5 * beside + 100, qPrintable(QString::number(seam)));
+        }
     }
 
     void convergesToTheBruteForcePicture_data()

@@ -88,6 +88,7 @@ private Q_SLOTS:
     void rangeIsSecondToNinetyEighthPercentile();
     void severalCloudsInOneView();
     void picksWhatIsOnScreen();
+    void partsMakeUpThePicture();
     void emptyCloudsAreNoTrouble();
 };
 
@@ -428,6 +429,40 @@ void ProgressiveTest::emptyCloudsAreNoTrouble()
     View single({filledStore(one)}, cameraFor(*one, 320, 200), {});
     QVERIFY(single.converge() < 5);
     QVERIFY(single.renderer.coveredShare() > 0);
+}
+
+/// Tiles are the picture, but for pixels on whose edge a point lies: their origin shifts what float rounds.
+void ProgressiveTest::partsMakeUpThePicture()
+{
+    const auto cloud = test::makeCloud(40'000);
+    const auto store = filledStore(cloud);
+    for (const bool orthographic : {false, true})
+        for (const int samples : {1, 4}) {
+            Camera camera = cameraFor(*cloud, 320, 200);
+            camera.orthographic = orthographic;
+            DisplaySettings display;
+            display.samples = samples;
+            display.pointSize = 2;
+            View whole({store}, camera, display);
+            const Image picture = whole.bruteForce();
+            View tiles({store}, camera, display);
+            tiles.renderer.setSize(128, 128);
+            int unlike = 0, covered = 0;
+            for (int y = 0; y < 200; y += 128)
+                for (int x = 0; x < 320; x += 128) {
+                    tiles.renderer.setPart(PicturePart{x, y, 320, 200});
+                    const Image tile = tiles.bruteForce();
+                    covered += int(tiles.renderer.coveredShare() * 128 * 128);
+                    for (int r = 0; r < std::min(128, 200 - y); ++r)
+                        for (int c = 0; c < std::min(128, 320 - x); ++c)
+                            unlike += !(tile.at(c, r) == picture.at(x + c, y + r));
+                }
+            QVERIFY(covered > 5000);
+            QVERIFY2(unlike <= 32, qPrintable(QString::number(unlike)));  // of 64,000
+            tiles.renderer.setPart(std::nullopt);
+            tiles.renderer.setSize(320, 200);
+            QCOMPARE(differing(tiles.bruteForce(), picture), 0);
+        }
 }
 
 QTEST_APPLESS_MAIN(ProgressiveTest)
