@@ -2,8 +2,8 @@
 #include "core/las/ChunkCodec.h"
 
 #include "core/Error.h"
+#include "core/las/ChunkDecoder.h"
 #include "core/las/File.h"
-#include "core/las/PointwiseDecoder.h"
 #include "core/las/StackGuard.h"
 #include "core/task/Progress.h"
 
@@ -518,8 +518,8 @@ struct PointDecoder::Impl {
 
 PointDecoder::PointDecoder(const LazInfo& info, std::span<const std::byte> data, std::uint64_t count, Codec codec)
 {
-    if (codec == Codec::Fastest && PointwiseDecoder::supports(info)) {
-        m_own = std::make_unique<PointwiseDecoder>(info);
+    if (codec == Codec::Fastest) m_own = ChunkDecoder::make(info);
+    if (m_own) {
         restart(data);
     } else {
         const auto chunkSize = std::uint32_t(std::min<std::uint64_t>(count, UINT32_MAX - 1));
@@ -530,9 +530,9 @@ PointDecoder::PointDecoder(const LazInfo& info, std::span<const std::byte> data,
 
 PointDecoder::PointDecoder(const LazInfo& info, const File& file, std::uint64_t offset, std::uint64_t bytes,
                            std::uint64_t count)
+    : m_own(ChunkDecoder::make(info))
 {
-    if (PointwiseDecoder::supports(info)) {
-        m_own = std::make_unique<PointwiseDecoder>(info);
+    if (m_own) {
         // No encoder needs twice the bytes of the records.
         const std::uint64_t most = 2 * std::uint64_t(info.recordLength) * std::min(count, bytes) + kFileWindow;
         std::vector<std::byte> data(std::size_t(std::min(bytes, most)));

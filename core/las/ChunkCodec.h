@@ -60,10 +60,10 @@ std::string checkLayeredChunk(std::span<const std::byte> chunk, const LazInfo& i
 bool layeredChunkSize(std::span<const std::byte> start, const LazInfo& info, std::uint32_t& count,
                       std::uint64_t& bytes);
 
-class PointwiseDecoder;
+class ChunkDecoder;
 
-/// Decodes one run of compressed points, from memory or straight from the file: with LASzip, or, where it can, with
-/// the faster PointwiseDecoder. For one thread. After an error nothing more can be decoded.
+/// Decodes one run of compressed points, from memory or straight from the file: with our own
+/// ChunkDecoder, or, for items of version 1, with LASzip. For one thread. After an error nothing more can be decoded.
 class PointDecoder
 {
 public:
@@ -94,7 +94,7 @@ public:
 
 private:
     struct Impl;
-    std::unique_ptr<PointwiseDecoder> m_own;
+    std::unique_ptr<ChunkDecoder> m_own;
     std::unique_ptr<Impl> m_impl;  ///< LASzip; null when m_own decodes
     std::string m_error;
 };

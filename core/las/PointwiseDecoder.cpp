@@ -3,7 +3,8 @@
 // Sensing 79(2), 2013, as the items of version 2 have them.
 #include "core/las/PointwiseDecoder.h"
 
-#include "core/las/RangeCoder.h"
+#include "core/las/ChunkCodec.h"
+#include "core/las/Predictors.h"
 
 #include <array>
 #include <cstring>
@@ -15,7 +16,7 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::size_t kPointBytes = 20, kTimeBytes = 8, kColorBytes = 6, kWaveBytes = 29;
+constexpr std::size_t kPointBytes = 20, kTimeBytes = 8, kColorBytes = 6, kWaveBytes = WavePacket::kBytes;
 
 /// Contexts by number of returns (row) and return number: all pairs that can be have one, the impossible ones
 /// share.
@@ -28,74 +29,6 @@ constexpr std::uint8_t kReturnContext[8][8] = {
 constexpr unsigned returnLevel(unsigned returns, unsigned number)
 {
     return returns > number ? returns - number : number - returns;
-}
-
-/// Median of the last values, kept sorted; of which end the oldest one is taken out depends on what came in.
-class RunningMedian
-{
-public:
-    std::int32_t get() const { return m_values[2]; }
-    void add(std::int32_t v)
-    {
-        auto& s = m_values;
-        if (m_dropHighest) {
-            if (v < s[2]) {
-                s[4] = s[3];
-                s[3] = s[2];
-                const bool below0 = v < s[0], below1 = v < s[1];
-                s[2] = below1 ? s[1] : v;
-                s[1] = below0 ? s[0] : below1 ? v : s[1];
-                s[0] = below0 ? v : s[0];
-            } else {
-                const bool below3 = v < s[3];
-                s[4] = below3 ? s[3] : v;
-                s[3] = below3 ? v : s[3];
-                m_dropHighest = false;
-            }
-        } else if (s[2] < v) {
-            s[0] = s[1];
-            s[1] = s[2];
-            const bool above4 = s[4] < v, above3 = s[3] < v;
-            s[2] = above3 ? s[3] : v;
-            s[3] = above4 ? s[4] : above3 ? v : s[3];
-            s[4] = above4 ? v : s[4];
-        } else {
-            const bool above1 = s[1] < v;
-            s[0] = above1 ? s[1] : v;
-            s[1] = above1 ? v : s[1];
-            m_dropHighest = true;
-        }
-    }
-
-private:
-    std::array<std::int32_t, 5> m_values{};
-    bool m_dropHighest = true;
-};
-
-/// Models of bytes that depend on the byte before; made when first needed.
-class ByteModels
-{
-public:
-    SymbolModel<256>& operator[](std::uint8_t before)
-    {
-        auto& model = m_models[before];
-        if (!model) model = std::make_unique<SymbolModel<256>>();
-        return *model;
-    }
-    void reset()
-    {
-        for (auto& m : m_models)
-            if (m) m->reset();
-    }
-
-private:
-    std::array<std::unique_ptr<SymbolModel<256>>, 256> m_models;
-};
-
-/// A context without its lowest bit: neighboring lengths are much the same.
-constexpr unsigned evenUpTo(unsigned k, unsigned most)
-{
-    return k < most ? k & ~1u : most;
 }
 
 /// The 20 bytes of format 0.
@@ -169,7 +102,7 @@ private:
     IntegerModels<16, 4> m_intensities;
     std::array<SymbolModel<256>, 2> m_angles;
     IntegerModels<16, 1> m_sources;
-    ByteModels m_returnModels, m_classModels, m_userModels;
+    SparseModels<256, 256> m_returnModels, m_classModels, m_userModels;
     IntegerModels<32, 2> m_dx;
     IntegerModels<32, 22> m_dy;
     IntegerModels<32, 20> m_z;
@@ -178,204 +111,64 @@ private:
     std::array<std::int32_t, 8> m_lastHeight{};
 };
 
-/// GPS time: the difference of its bits to the last time of one of four interleaved sequences, as a multiple of the
-/// difference before.
+/// GPS time.
 class TimeItem
 {
 public:
     void start(const std::byte* record)
     {
-        m_times = {};
-        std::memcpy(&m_times[0], record, kTimeBytes);
-        m_differences = {};
-        m_extremes = {};
-        m_at = m_newest = 0;
-        m_multiples.reset();
-        m_fromZero.reset();
-        m_integers.reset();
+        std::uint64_t time;
+        std::memcpy(&time, record, kTimeBytes);
+        m_predictor.reset(time);
     }
     void decode(RangeDecoder& in, std::byte* record)
     {
-        for (int switches = 0; switches < kSequences; ++switches)
-            if (!step(in)) break;
-        std::memcpy(record, &m_times[m_at], kTimeBytes);
+        const std::uint64_t time = m_predictor.decode(in);
+        std::memcpy(record, &time, kTimeBytes);
     }
 
 private:
-    static constexpr int kSequences = 4;
-    static constexpr unsigned kMost = 500;                    ///< multiples that have a symbol: 0 to 500,
-    static constexpr unsigned kLeast = 10;                    ///< then -1 to -10
-    static constexpr unsigned kSame = kMost + kLeast + 1;     ///< the time did not change
-    static constexpr unsigned kWhole = kMost + kLeast + 2;    ///< a time of its own begins a sequence
-    static constexpr unsigned kSymbols = kMost + kLeast + 6;  ///< the last three: another sequence
-
-    void wholeTime(RangeDecoder& in)
-    {
-        m_newest = (m_newest + 1) & 3;
-        const std::uint32_t high = std::uint32_t(in.integer(m_integers, std::int32_t(m_times[m_at] >> 32), 8));
-        m_times[m_newest] = (std::uint64_t(high) << 32) | in.word();
-        m_at = m_newest;
-        m_differences[m_at] = 0;
-        m_extremes[m_at] = 0;
-    }
-    void add(std::int32_t difference) { m_times[m_at] += std::uint64_t(std::int64_t(difference)); }
-    /// After four far outliers in a row the difference that is multiplied is a new one.
-    void extreme(std::int32_t difference)
-    {
-        if (++m_extremes[m_at] > 3) {
-            m_differences[m_at] = difference;
-            m_extremes[m_at] = 0;
-        }
-    }
-    /// True when another sequence was chosen, whose time follows.
-    bool step(RangeDecoder& in)
-    {
-        std::int32_t& last = m_differences[m_at];
-        if (last == 0) {
-            const unsigned kind = in.likelySymbol(m_fromZero);
-            if (kind == 1) {
-                last = in.integer(m_integers, 0, 0);
-                add(last);
-                m_extremes[m_at] = 0;
-            } else if (kind == 2) {
-                wholeTime(in);
-            } else if (kind > 2) {
-                m_at = (m_at + kind - 2) & 3;
-                return true;
-            }
-            return false;
-        }
-        const unsigned kind = in.likelySymbol(m_multiples);
-        const auto times = [&](std::int32_t n) { return std::int32_t(std::uint32_t(n) * std::uint32_t(last)); };
-        if (kind == 1) {
-            add(in.integer(m_integers, last, 1));
-            m_extremes[m_at] = 0;
-        } else if (kind == 0) {
-            const std::int32_t difference = in.integer(m_integers, 0, 7);
-            add(difference);
-            extreme(difference);
-        } else if (kind < kMost) {
-            add(in.integer(m_integers, times(std::int32_t(kind)), kind < 10 ? 2 : 3));
-        } else if (kind == kMost) {
-            const std::int32_t difference = in.integer(m_integers, times(kMost), 4);
-            add(difference);
-            extreme(difference);
-        } else if (kind < kMost + kLeast) {
-            add(in.integer(m_integers, times(std::int32_t(kMost) - std::int32_t(kind)), 5));
-        } else if (kind == kMost + kLeast) {
-            const std::int32_t difference = in.integer(m_integers, times(-std::int32_t(kLeast)), 6);
-            add(difference);
-            extreme(difference);
-        } else if (kind == kWhole) {
-            wholeTime(in);
-        } else if (kind != kSame) {
-            m_at = (m_at + kind - kWhole) & 3;
-            return true;
-        }
-        return false;
-    }
-
-    std::array<std::uint64_t, kSequences> m_times{};
-    std::array<std::int32_t, kSequences> m_differences{};
-    std::array<std::int32_t, kSequences> m_extremes{};
-    unsigned m_at = 0, m_newest = 0;
-    SymbolModel<kSymbols> m_multiples;
-    SymbolModel<6> m_fromZero;
-    IntegerModels<32, 9> m_integers;
+    TimePredictor<true> m_predictor;
 };
 
-/// Red, green and blue, byte by byte; green and blue are predicted from how red changed.
+/// Red, green and blue.
 class ColorItem
 {
 public:
     void start(const std::byte* record)
     {
-        for (std::size_t k = 0; k < kColorBytes; ++k) m_bytes[k] = std::uint8_t(record[k]);
-        m_changed.reset();
-        for (auto& m : m_differences) m.reset();
+        std::memcpy(m_color.data(), record, kColorBytes);
+        m_predictor.reset();
     }
     void decode(RangeDecoder& in, std::byte* record)
     {
-        // bytes: red low, red high, green low, ...; the bits of `changed` are in the same order, then "not grey"
-        const unsigned changed = in.likelySymbol(m_changed);
-        const std::array<std::uint8_t, kColorBytes> before = m_bytes;
-        for (unsigned k = 0; k < 2; ++k)
-            if ((changed >> k & 1) != 0) m_bytes[k] = std::uint8_t(before[k] + in.symbol(m_differences[k]));
-        if ((changed & 64) != 0) {
-            for (unsigned k = 0; k < 2; ++k) {
-                const int red = int(m_bytes[k]) - before[k];
-                if ((changed >> (k + 2) & 1) != 0) m_bytes[k + 2] = guess(in, k + 2, before[k + 2] + red);
-                const int green = int(m_bytes[k + 2]) - before[k + 2];
-                if ((changed >> (k + 4) & 1) != 0)
-                    m_bytes[k + 4] = guess(in, k + 4, before[k + 4] + (red + green) / 2);
-            }
-        } else {
-            m_bytes[2] = m_bytes[4] = m_bytes[0];
-            m_bytes[3] = m_bytes[5] = m_bytes[1];
-        }
-        std::memcpy(record, m_bytes.data(), kColorBytes);
+        m_predictor.decode(in, m_color);
+        std::memcpy(record, m_color.data(), kColorBytes);
     }
 
 private:
-    std::uint8_t guess(RangeDecoder& in, unsigned byte, int predicted)
-    {
-        return std::uint8_t(unsigned(std::clamp(predicted, 0, 255)) + in.symbol(m_differences[byte]));
-    }
-
-    std::array<std::uint8_t, kColorBytes> m_bytes{};
-    SymbolModel<128> m_changed;
-    std::array<SymbolModel<256>, kColorBytes> m_differences;
+    ColorPredictor::Color m_color{};
+    ColorPredictor m_predictor;
 };
 
-/// Waveform packets: descriptor index, then offset, size, return location and the three direction parameters.
+/// Waveform packets.
 class WaveItem
 {
 public:
     void start(const std::byte* record)
     {
-        std::memcpy(&m_offset, record + 1, 8);
-        std::memcpy(m_words.data(), record + 9, 20);
-        m_lastStep = 0;
-        m_lastKind = 0;
-        m_index.reset();
-        for (auto& m : m_kinds) m.reset();
-        m_steps.reset();
-        m_sizes.reset();
-        m_locations.reset();
-        m_directions.reset();
+        m_packet.load(record);
+        m_predictor.reset();
     }
     void decode(RangeDecoder& in, std::byte* record)
     {
-        record[0] = std::byte(in.likelySymbol(m_index));
-        m_lastKind = in.symbol(m_kinds[m_lastKind]);
-        if (m_lastKind == 1) {
-            m_offset += m_words[0];  // right behind the packet before
-        } else if (m_lastKind == 2) {
-            m_lastStep = in.integer(m_steps, m_lastStep, 0);
-            m_offset += std::uint64_t(std::int64_t(m_lastStep));
-        } else if (m_lastKind == 3) {
-            const std::uint64_t low = in.word();
-            m_offset = (std::uint64_t(in.word()) << 32) | low;
-        }
-        const auto next = [&](auto& models, std::uint32_t& word, unsigned context) {
-            word = std::uint32_t(in.integer(models, std::int32_t(word), context));
-        };
-        next(m_sizes, m_words[0], 0);
-        next(m_locations, m_words[1], 0);
-        for (unsigned k = 0; k < 3; ++k) next(m_directions, m_words[2 + k], k);
-        std::memcpy(record + 1, &m_offset, 8);
-        std::memcpy(record + 9, m_words.data(), 20);
+        m_predictor.decode(in, m_packet);
+        m_packet.store(record);
     }
 
 private:
-    std::uint64_t m_offset = 0;
-    std::array<std::uint32_t, 5> m_words{};
-    std::int32_t m_lastStep = 0;
-    unsigned m_lastKind = 0;
-    SymbolModel<256> m_index;
-    std::array<SymbolModel<4>, 4> m_kinds;  ///< same, next, near or any offset, by the kind before
-    IntegerModels<32, 1> m_steps, m_sizes, m_locations;
-    IntegerModels<32, 3> m_directions;
+    WavePacket m_packet;
+    WavePredictor m_predictor;
 };
 
 /// Extra bytes, each as the difference to the same byte of the point before.

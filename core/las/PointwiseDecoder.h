@@ -1,37 +1,24 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/las/ChunkCodec.h"
-
-#include <cstddef>
-#include <cstdint>
-#include <memory>
-#include <span>
-#include <string>
+#include "core/las/ChunkDecoder.h"
 
 namespace punctum::las
 {
 
-/// Decodes the points of the formats 0 to 5 with extra bytes (items POINT10, GPSTIME11, RGB12 and BYTE of version 2,
-/// WAVEPACKET13 of version 1), as LASzip does, only faster, since opening a compressed file is what people wait for,
-/// and whatever the bytes are within its bounds, where LASzip can recurse without end. LASzip writes every chunk;
-/// tests hold this decoder against it.
-///
-/// For one thread.
-class PointwiseDecoder
+/// Decodes the points of the formats 0 to 5 with extra bytes: items POINT10, GPSTIME11, RGB12 and BYTE of version
+/// 2, WAVEPACKET13 of version 1, one point after the other from one range coder. For one thread.
+class PointwiseDecoder final : public ChunkDecoder
 {
 public:
     static bool supports(const LazInfo& info);
     /// `info` must be supported.
     explicit PointwiseDecoder(const LazInfo& info);
-    ~PointwiseDecoder();
+    ~PointwiseDecoder() override;
 
-    /// Begins a chunk; its bytes are copied. Says why it cannot be decoded; empty when it can.
-    std::string start(std::span<const std::byte> chunk);
-    /// Decodes `count` points into records; fewer when the bytes are at their end or damaged.
-    std::size_t decode(std::size_t count, std::byte* records);
-    /// Bytes of the chunk taken so far; one more than there are when more were asked for.
-    std::uint64_t position() const;
+    std::string start(std::span<const std::byte> chunk) override;
+    std::size_t decode(std::size_t count, std::byte* records) override;
+    std::uint64_t position() const override;
 
 private:
     struct Impl;

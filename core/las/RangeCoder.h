@@ -187,6 +187,8 @@ public:
     std::size_t taken() const noexcept { return std::size_t(m_at - m_begin); }
     /// The bytes hold what no encoder writes.
     bool impossible() const noexcept { return m_impossible; }
+    /// They do, as those can tell who know what the symbols mean.
+    void fail() noexcept { m_impossible = true; }
     /// That, or more bytes were asked for than there are.
     bool damaged() const noexcept { return m_impossible || m_at > m_end; }
 
