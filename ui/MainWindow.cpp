@@ -78,6 +78,10 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     setDockOptions(AnimatedDocks | AllowTabbedDocks | AllowNestedDocks);
     setTabPosition(Qt::AllDockWidgetAreas, QTabWidget::North);
     askUnsaved = [this](const QString& name) { return askInBox(this, name); };
+    m_workspace->askQuestion = [this](const QString& question, const QString& reason, const QString& yes,
+                                      std::function<void(bool)> answer) {
+        punctum::ui::askQuestion(this, question, reason, yes, std::move(answer));
+    };
 
     const render::BackendKind backend =
         options.backend.value_or(m_settings->backend().value_or(render::BackendKind::Cpu));

@@ -51,21 +51,27 @@ void showReport(QWidget* parent, const QString& title, const QString& text)
     dialog->show();
 }
 
-void askBeforeSaving(QWidget* parent, const QString& name, const QString& what, std::function<void(bool)> then)
+void askQuestion(QWidget* parent, const QString& question, const QString& reason, const QString& yes,
+                 std::function<void(bool)> then)
 {
-    auto* box =
-        new QMessageBox(QMessageBox::NoIcon, QObject::tr("Save"),
-                        QObject::tr("%1 will differ from the opened file in more than your edits.").arg(name),
-                        QMessageBox::Save | QMessageBox::Cancel, parent);
+    auto* box = new QMessageBox(QMessageBox::NoIcon, QObject::tr("Save"), question,
+                                QMessageBox::Save | QMessageBox::Cancel, parent);
     box->setObjectName(QStringLiteral("savingQuestion"));
     box->setIconPixmap(lineIcon(QStringLiteral("warning"), themeColors().warning).pixmap(32, 32));
     box->setAttribute(Qt::WA_DeleteOnClose);
     box->setTextFormat(Qt::PlainText);
-    box->setInformativeText(what);
-    box->setDefaultButton(QMessageBox::Save);
+    box->setInformativeText(reason);
+    box->button(QMessageBox::Save)->setText(yes);
+    box->setDefaultButton(QMessageBox::Cancel);
     QObject::connect(box, &QMessageBox::finished, box,
                      [then = std::move(then)](int answer) { then(answer == QMessageBox::Save); });
     box->open();
+}
+
+void askBeforeSaving(QWidget* parent, const QString& name, const QString& what, std::function<void(bool)> then)
+{
+    askQuestion(parent, QObject::tr("%1 will differ from the opened file in more than your edits.").arg(name), what,
+                QObject::tr("&Save"), std::move(then));
 }
 
 }  // namespace punctum::ui

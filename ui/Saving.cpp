@@ -60,7 +60,7 @@ QString unsavedChanges(OpenCloud& data, const std::filesystem::path& original, P
 }
 
 SaveOutcome saveCloud(OpenCloud& data, const std::filesystem::path& original, const std::filesystem::path& target,
-                      std::optional<Forecast> forecast, Progress& progress)
+                      std::optional<Forecast> forecast, las::WriteOptions options, Progress& progress)
 {
     const std::uint64_t edits = editsOf(data);
     if (!forecast || forecast->edits != edits) {
@@ -71,7 +71,8 @@ SaveOutcome saveCloud(OpenCloud& data, const std::filesystem::path& original, co
         }
     }
     SaveOutcome outcome;
-    outcome.report = las::write(*data.cloud, target, optionsFor(target), progress);
+    options.compressed = las::isCompressedName(target);
+    outcome.report = las::write(*data.cloud, target, options, progress);
     const std::lock_guard gate(data.editGate);
     const bool undisturbed = data.edits == edits;
     if (undisturbed) data.history->markSaved();

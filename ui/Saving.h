@@ -36,9 +36,10 @@ struct SaveOutcome {
 };
 
 /// Foresees (unless `forecast` still holds), writes, verifies, and marks the history as saved. That there is
-/// nothing to compare with does not keep it from saving.
+/// nothing to compare with does not keep it from saving. `options`: what the user said yes to; whether to compress
+/// is decided here, by the name. Throws las::WriteQuestion where the user must say more.
 SaveOutcome saveCloud(OpenCloud& data, const std::filesystem::path& original, const std::filesystem::path& target,
-                      std::optional<Forecast> forecast, Progress& progress);
+                      std::optional<Forecast> forecast, las::WriteOptions options, Progress& progress);
 
 /// What the message and the properties say: "Saved a.laz: 1,204 points, 6 kB, read back and compared. ..."
 QString savedText(const SaveOutcome& outcome, const std::filesystem::path& target);

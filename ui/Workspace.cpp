@@ -292,6 +292,19 @@ void Workspace::analyse(Document& document, const QStringList& names)
 
 // -- saving and changing
 
+/// One save, until it is done or given up.
+struct Workspace::Saving {
+    QPointer<Document> document;  ///< null once it is closed
+    std::shared_ptr<OpenCloud> data;
+    std::filesystem::path original;
+    std::filesystem::path target;
+    std::optional<Forecast> forecast;
+    las::WriteOptions options;
+    std::function<void(bool)> ended;
+    SaveOutcome outcome;
+    std::optional<las::WriteQuestion> question;  ///< why it stopped, where the user can decide
+};
+
 void Workspace::save(Document& document, const QString& path, std::function<void(bool)> ended, AskSave ask)
 {
     const std::filesystem::path target = toPath(QDir::cleanPath(QDir::current().absoluteFilePath(path)));
@@ -304,32 +317,36 @@ void Workspace::save(Document& document, const QString& path, std::function<void
     if (document.recovered() && target == document.data()->path)
         return refuse(
             tr("%1 is damaged, and only part of it could be read: save under another name.").arg(document.name()));
-    if (!ask) return startSave(document, target, {}, std::move(ended));
+    auto saving = std::make_shared<Saving>();
+    saving->document = &document;
+    saving->data = document.data();
+    saving->original = toPath(document.path());
+    saving->target = target;
+    saving->ended = std::move(ended);
+    if (!ask) return startSave(saving);
 
     // First what it would change, then the question, then the save.
-    auto forecast = std::make_shared<std::optional<Forecast>>();
     startJob(
         tr("Compare %1 with the file").arg(document.name()),
-        [data = document.data(), original = toPath(document.path()), target, forecast](Progress& progress) {
+        [saving](Progress& progress) {
             try {
-                *forecast = foresee(*data, original, target, progress);
+                saving->forecast = foresee(*saving->data, saving->original, saving->target, progress);
             } catch (const Error&) {
-                forecast->reset();  // then it is asked nothing; what cannot be written is told by the save
+                saving->forecast.reset();  // then it is asked nothing; what cannot be written is told by the save
             }
         },
-        [this, alive = QPointer<Document>(&document), target, forecast, ended = std::move(ended),
-         ask = std::move(ask)](const JobInfo& info) {
-            const auto proceed = [this, alive, target, forecast, ended](bool wanted) {
-                if (wanted && alive)
-                    startSave(*alive, target, std::move(*forecast), ended);
-                else if (ended)
-                    ended(false);
+        [this, saving, ask = std::move(ask)](const JobInfo& info) {
+            const auto proceed = [this, saving](bool wanted) {
+                if (wanted && saving->document)
+                    startSave(saving);
+                else if (saving->ended)
+                    saving->ended(false);
             };
             if (info.state != JobState::Finished) {
                 if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
                 return proceed(false);
             }
-            const QString question = *forecast ? savingQuestion((*forecast)->preview) : QString();
+            const QString question = saving->forecast ? savingQuestion(saving->forecast->preview) : QString();
             if (question.isEmpty())
                 proceed(true);
             else
@@ -338,33 +355,61 @@ void Workspace::save(Document& document, const QString& path, std::function<void
         true);
 }
 
-void Workspace::startSave(Document& document, const std::filesystem::path& target, std::optional<Forecast> forecast,
-                          std::function<void(bool)> ended)
+void Workspace::startSave(const std::shared_ptr<Saving>& saving)
 {
-    auto outcome = std::make_shared<SaveOutcome>();
-    const std::filesystem::path original = toPath(document.path());
     // Closing a document does not stop the save that was asked for before: the job is not tied to it.
     startJob(
-        tr("Save %1").arg(toQString(target.filename())),
-        [data = document.data(), original, target, outcome, forecast = std::move(forecast)](Progress& progress) {
-            *outcome = saveCloud(*data, original, target, forecast, progress);
+        tr("Save %1").arg(toQString(saving->target.filename())),
+        [saving](Progress& progress) {
+            saving->question.reset();
+            try {
+                saving->outcome = saveCloud(*saving->data, saving->original, saving->target,
+                                            std::move(saving->forecast), saving->options, progress);
+            } catch (const las::WriteQuestion& question) {
+                saving->question = question;
+                throw;
+            }
         },
-        [this, alive = QPointer<Document>(&document), original, target, outcome,
-         ended = std::move(ended)](const JobInfo& info) {
+        [this, saving](const JobInfo& info) {
+            if (info.state == JobState::Failed && saving->question && askQuestion) return askFor(saving);
             const bool done = info.state == JobState::Finished;
             if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
             if (done) {
-                const Document::LastSave save{savedText(*outcome, target),
-                                              savedDetails(*outcome, original, target)};
+                const Document::LastSave save{savedText(saving->outcome, saving->target),
+                                              savedDetails(saving->outcome, saving->original, saving->target)};
                 say(MessageKind::Info, save.sentence, save.details);
-                if (alive) {
-                    alive->setSavedAs(target, save);
-                    countUnsaved(*alive);
-                    emit saved(alive);
+                if (saving->document) {
+                    saving->document->setSavedAs(saving->target, save);
+                    countUnsaved(*saving->document);
+                    emit saved(saving->document);
                 }
             }
-            if (ended) ended(done);
+            if (saving->ended) saving->ended(done);
         });
+}
+
+/// A yes to what stopped the save is noted in its options, and begins it again.
+void Workspace::askFor(const std::shared_ptr<Saving>& saving)
+{
+    QString question, yes;
+    switch (saving->question->kind()) {
+        case las::WriteQuestion::Kind::TargetChanged:
+            question = tr("Replace the changed file?");
+            yes = tr("&Replace");
+            break;
+    }
+    askQuestion(question, toQString(std::string(saving->question->what())), yes, [this, saving](bool wanted) {
+        if (!wanted) {
+            if (saving->ended) saving->ended(false);
+            return;
+        }
+        switch (saving->question->kind()) {
+            case las::WriteQuestion::Kind::TargetChanged:
+                saving->options.overwriteChanged = true;
+                break;
+        }
+        startSave(saving);
+    });
 }
 
 void Workspace::countUnsaved(Document& document)

@@ -54,6 +54,11 @@ public:
     /// Writes LAS or LAZ by the path's ending, and tells what that changed. `ended(true)`: written and renamed over
     /// `path`. Without `ask` it goes on in any case.
     void save(Document& document, const QString& path, std::function<void(bool)> ended = {}, AskSave ask = {});
+    /// Asked by a save that cannot go on without the user's word: `reason` says why, `yes` are the words of the
+    /// button to go on. Without it, such a save fails with a message.
+    using AskQuestion = std::function<void(const QString& question, const QString& reason, const QString& yes,
+                                           std::function<void(bool)> answer)>;
+    AskQuestion askQuestion;
     void undo(Document& document);
     void redo(Document& document);
     /// Runs a processing step and applies its command; stepEnded tells the result.
@@ -90,14 +95,15 @@ signals:
 
 private:
     struct Opening;
+    struct Saving;
+    void startSave(const std::shared_ptr<Saving>& saving);
+    void askFor(const std::shared_ptr<Saving>& saving);
     void documentReady(const std::shared_ptr<Opening>& opening);
     void openingEnded(const std::shared_ptr<Opening>& opening, const JobInfo& info);
     void remove(Document& document, bool openingFailed);
     void handleNotice(Document& document, const ChangeNotice& notice, std::vector<Attribute> attributes);
     void analyse(Document& document, const QStringList& names);
     void moveHistory(Document& document, bool forward);
-    void startSave(Document& document, const std::filesystem::path& target, std::optional<Forecast> forecast,
-                   std::function<void(bool)> ended);
     void countUnsaved(Document& document);
 
     struct Watch {

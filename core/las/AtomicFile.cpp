@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -20,6 +21,7 @@ namespace punctum::las
 namespace
 {
 
+constexpr const char* kAccessList = "system.posix_acl_access";
 constexpr std::size_t kMostAtOnce = std::size_t(64) << 20;  ///< bytes in one write; Linux takes up to 2 GiB
 
 std::string reason(int error)
@@ -69,8 +71,9 @@ AtomicFile::AtomicFile(const std::filesystem::path& target, std::uint64_t expect
     if (::stat(m_target.c_str(), &s) == 0) {
         if (S_ISDIR(s.st_mode)) throw Error(m_shown, "This is a folder; choose a file name.");
         if (!S_ISREG(s.st_mode)) throw Error(m_shown, "This is not a regular file, so it cannot be replaced.");
-        m_exists = true;
-        m_otherNames = s.st_nlink > 1;
+        m_before = FileStamp::of(s);
+        if (s.st_nlink > 1)
+            m_notes.emplace_back("The file had other names (hard links); they keep the old contents.");
         m_mode = s.st_mode & 07777;
         m_owner = s.st_uid;
         m_group = s.st_gid;
@@ -90,7 +93,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& target, std::uint64_t expect
     for (int attempt = 0; attempt < 16 && m_descriptor < 0; ++attempt) {
         m_temporary = folder / temporaryName(m_target.filename().string());
         m_descriptor =
-            ::open(m_temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode_t(m_exists ? 0600 : 0666));
+            ::open(m_temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode_t(m_before ? 0600 : 0666));
         if (m_descriptor < 0 && errno != EEXIST) break;
     }
     if (m_descriptor < 0) {
@@ -143,14 +146,70 @@ void AtomicFile::sync()
     if (::fsync(m_descriptor) != 0) fail("The file cannot be written to the disk", errno);
 }
 
+/// Extended attributes with their values, and the access list, which is one that need not be listed. What the file
+/// system or the system's policy sets by itself, and does not let us set, is no loss.
+void AtomicFile::takeOverAttributes(bool& accessKept)
+{
+    const auto valueOf = [&](const std::string& name) -> std::optional<std::vector<char>> {
+        const ssize_t size = ::getxattr(m_target.c_str(), name.c_str(), nullptr, 0);
+        if (size < 0) return {};
+        std::vector<char> value(static_cast<std::size_t>(size));
+        const ssize_t got = ::getxattr(m_target.c_str(), name.c_str(), value.data(), value.size());
+        if (got < 0) return {};
+        value.resize(static_cast<std::size_t>(got));
+        return value;
+    };
+    std::vector<char> list;
+    if (const ssize_t size = ::listxattr(m_target.c_str(), nullptr, 0); size > 0) {
+        list.resize(static_cast<std::size_t>(size));
+        const ssize_t got = ::listxattr(m_target.c_str(), list.data(), list.size());
+        list.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+    }
+    list.push_back('\0');
+    std::string lost;
+    for (std::size_t at = 0; list[at] != '\0';) {
+        const std::string name(list.data() + at);
+        at += name.size() + 1;
+        if (name == kAccessList) continue;
+        const auto value = valueOf(name);
+        if (value && ::fsetxattr(m_descriptor, name.c_str(), value->data(), value->size(), 0) != 0 &&
+            name.starts_with("user."))
+            lost += (lost.empty() ? "" : ", ") + name;
+    }
+    if (!lost.empty()) m_notes.push_back("Extended attributes of the file could not be kept: " + lost + ".");
+
+    // Without a list of its own the target must not get the one that its folder gives to new files.
+    if (const auto value = valueOf(kAccessList))
+        accessKept = ::fsetxattr(m_descriptor, kAccessList, value->data(), value->size(), 0) == 0;
+    else
+        (void)::fremovexattr(m_descriptor, kAccessList);
+}
+
+/// Owner, group, attributes and mode of the target. Not being allowed to set all of them is no failure, but then
+/// nobody may get rights that they did not have.
+void AtomicFile::takeOver()
+{
+    // The owner first: changing it clears set-id bits, and only the owner may set the rest.
+    const bool owned = ::fchown(m_descriptor, m_owner, m_group) == 0;
+    const bool grouped = owned || ::fchown(m_descriptor, uid_t(-1), m_group) == 0;
+    if (!owned) m_notes.emplace_back("The file now belongs to you: its former owner could not be kept.");
+    bool accessKept = true;
+    takeOverAttributes(accessKept);
+    unsigned mode = owned ? m_mode : m_mode & 0777u;
+    if (!grouped || !accessKept) {
+        mode &= ~0070u;  // the group is another one, or its bits were the mask of the list
+        m_notes.emplace_back("Not all access rights of the file could be kept; its group has none now.");
+    }
+    if (::fchmod(m_descriptor, mode_t(mode)) != 0) fail("The file's permissions cannot be kept", errno);
+}
+
 FileStamp AtomicFile::commit()
 {
-    if (m_exists) {
-        // The owner first: changing it clears set-id bits. Not being allowed to is no failure, the mode is.
-        const bool owned = ::fchown(m_descriptor, m_owner, m_group) == 0;
-        if (::fchmod(m_descriptor, mode_t(owned ? m_mode : m_mode & 0777u)) != 0)
-            fail("The file's permissions cannot be kept", errno);
-    }
+    if (FileStamp::of(m_target) != m_before)
+        throw Error(m_shown,
+                    "The file was changed by another program while it was being saved; nothing was changed. "
+                    "Save it again, or under another name.");
+    if (m_before) takeOver();
     struct stat s {
     };
     if (::fstat(m_descriptor, &s) != 0) fail("The file cannot be written", errno);

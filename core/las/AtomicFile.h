@@ -6,7 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace punctum::las
 {
@@ -14,8 +17,9 @@ namespace punctum::las
 /// A file that appears whole or not at all: written under a temporary name in the folder of its target, synced,
 /// then renamed over it. Destroyed without commit(), it leaves nothing behind and an existing target untouched.
 ///
-/// A target that is a symbolic link is followed. writeAt may be called from several threads at once.
-/// Every member throws Error with the target's name and what the system said.
+/// What replaces an existing file takes over its mode, extended attributes and access list, and its owner and group
+/// where that is permitted. A target that is a symbolic link is followed. writeAt may be called from several
+/// threads at once. Every member throws Error with the target's name and what the system said.
 class AtomicFile
 {
 public:
@@ -28,26 +32,31 @@ public:
     /// Links followed.
     const std::filesystem::path& target() const noexcept { return m_target; }
     const std::filesystem::path& temporary() const noexcept { return m_temporary; }
-    /// Whether the target has other names (hard links), which will keep the old contents.
-    bool hasOtherNames() const noexcept { return m_otherNames; }
+    /// Whether there was a file when this was made.
+    bool replaces() const noexcept { return m_before.has_value(); }
 
     void writeAt(std::uint64_t offset, std::span<const std::byte> bytes);
     /// Cuts the file off, or extends it with zeros.
     void resize(std::uint64_t bytes);
     /// Waits until all is on the disk.
     void sync();
-    /// Gives the file its name; the mode of an existing target is kept. Gives what tells the new file from others.
+    /// Gives the file its name, unless another program touched the target since this was made. Gives what tells the
+    /// new file from others.
     FileStamp commit();
+    /// What of an existing target could not be kept, one sentence each; complete after commit().
+    const std::vector<std::string>& notes() const noexcept { return m_notes; }
 
 private:
+    void takeOver();
+    void takeOverAttributes(bool& accessKept);
     [[noreturn]] void fail(const std::string& what, int error) const;
 
     std::filesystem::path m_shown;   ///< as the user named it
     std::filesystem::path m_target;  ///< links followed
     std::filesystem::path m_temporary;
     int m_descriptor = -1;
-    bool m_exists = false;
-    bool m_otherNames = false;
+    std::optional<FileStamp> m_before;  ///< of the target; nothing: there was none
+    std::vector<std::string> m_notes;
     bool m_committed = false;
     unsigned m_mode = 0;
     unsigned m_owner = 0, m_group = 0;

@@ -113,6 +113,54 @@ std::string lowerExtension(const std::filesystem::path& path)
     return ending;
 }
 
+bool isCopcName(const std::filesystem::path& path)
+{
+    return isCompressedName(path) && lowerExtension(path.stem()) == ".copc";
+}
+
+/// The cloud's own file must be as it was read or saved, or the user would undo what another program did.
+void askIfChanged(const PointCloud& cloud, const std::filesystem::path& target)
+{
+    if (cloud.source() == nullptr) return;
+    const CurrentFile::Place place = cloud.source()->current->get();
+    std::error_code ec;
+    if (place.path.empty() || !std::filesystem::equivalent(place.path, target, ec)) return;
+    const auto now = FileStamp::of(target);
+    if (now && *now != place.stamp)
+        throw WriteQuestion(WriteQuestion::Kind::TargetChanged, target,
+                            std::string("Another program changed this file since it was ") +
+                                (place.saved ? "saved" : "read") +
+                                "; saving would undo that. Save under another name to keep both.");
+}
+
+/// Bytes that the chunks take if all can be copied: what others take is not known before they are compressed, and a
+/// disk that is too small for them stops the save without harm.
+std::uint64_t expectedChunks(const ChunkPlan& plan)
+{
+    std::uint64_t bytes = 0;
+    for (const PlannedChunk& chunk : plan.chunks) bytes += chunk.origin ? chunk.origin->bytes : 0;
+    return bytes;
+}
+
+/// LAStools finds points by NAME.lax without a look whether the index is older than the points.
+void setIndexAside(const AtomicFile& file, std::vector<std::string>& notes)
+{
+    std::filesystem::path index = file.target();
+    index.replace_extension(".lax");
+    std::error_code ec;
+    if (!std::filesystem::is_regular_file(index, ec)) return;
+    std::filesystem::path aside = index;
+    aside += ".old";
+    if (!file.replaces())
+        notes.emplace_back(
+            "The .lax index beside it belongs to another file, but LAStools would go by it: remove it.");
+    else if (std::filesystem::rename(index, aside, ec); ec)
+        notes.push_back("The .lax index beside it belongs to the old file and should be removed (" + ec.message() +
+                        ").");
+    else
+        notes.emplace_back("The .lax index beside it belonged to the old file; its name ends in .lax.old now.");
+}
+
 }  // namespace
 
 bool isCompressedName(const std::filesystem::path& path)
@@ -126,12 +174,13 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
     const std::shared_lock lock(cloud.mutex());
     progress.begin("Preparing", 0);
     try {
+        if (!options.overwriteChanged) askIfChanged(cloud, path);
         WritePlan plan = planWrite(cloud, path, options, progress);
         const RecordMaker& maker = *plan.maker;
         const std::uint64_t begin = plan.prefix.size();
         const std::uint64_t plainEnd = begin + maker.points() * maker.layout().length;
 
-        AtomicFile file(path, options.compressed ? 0 : plainEnd);
+        AtomicFile file(path, options.compressed ? expectedChunks(plan.chunks) : plainEnd);
         const auto source = cloud.source();
         bool pristine = false;
         Written written;
@@ -154,10 +203,13 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
         file.sync();
         if (options.verify) verify(file, plan, written, progress);
         progress.check();
-        if (file.hasOtherNames())
-            plan.notes.push_back("The file had other names (hard links); they keep the old contents.");
         const FileStamp stamp = file.commit();
         for (std::string& sentence : unfinishedSaves(file.target())) plan.notes.push_back(std::move(sentence));
+        plan.notes.insert(plan.notes.end(), file.notes().begin(), file.notes().end());
+        if (!pristine) setIndexAside(file, plan.notes);
+        if (isCopcName(path))
+            plan.notes.push_back(
+                "The name ends in .copc.laz, but the file is an ordinary LAZ file; give it another name.");
         if (source != nullptr) source->current->set({file.target(), stamp, true, pristine});
         return {maker.points(), written.bytes, written.chunks.copied, written.chunks.encoded,
                 std::move(plan.notes)};

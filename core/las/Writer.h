@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/Error.h"
 #include "core/cloud/PointCloud.h"
 
 #include <cstdint>
@@ -17,11 +18,29 @@ class Progress;
 namespace punctum::las
 {
 
+/// Thrown instead of writing when the user should decide first; the option that says yes is named with each kind.
+class WriteQuestion : public Error
+{
+public:
+    enum class Kind {
+        TargetChanged,  ///< overwriteChanged
+    };
+    WriteQuestion(Kind kind, const std::filesystem::path& file, const std::string& sentence)
+        : Error(file, sentence), m_kind(kind)
+    {
+    }
+    Kind kind() const noexcept { return m_kind; }
+
+private:
+    Kind m_kind;
+};
+
 struct WriteOptions {
     bool compressed = false;                   ///< LAZ
     std::optional<std::uint8_t> versionMinor;  ///< 2, 3 or 4; default: as the source, 4 for clouds made here
     std::optional<std::uint8_t> pointFormat;   ///< 0-10; default: as the source
     bool verify = true;                        ///< decode the written file and compare before it takes its name
+    bool overwriteChanged = false;             ///< replace the cloud's file though another program changed it since
     bool copyChunks = true;  ///< take compressed chunks that no edit touched from the file that holds the cloud
 };
 
@@ -40,7 +59,8 @@ bool isCompressedName(const std::filesystem::path& path);
 /// Writes the cloud, whole or not at all: a temporary file beside the target is written, synced, verified, then
 /// renamed over it. Header, VLRs, gaps and EVLRs come from cloud.source() unchanged unless they must differ.
 /// Attributes added after loading become extra bytes. Holds cloud.mutex() shared meanwhile.
-/// Throws Error (nothing is left behind, an existing target is untouched) or Cancelled (likewise).
+/// A side-car index (.lax) of the file that is replaced is renamed to .lax.old, since LAStools would go by it.
+/// Throws Error (nothing is left behind, an existing target is untouched), WriteQuestion or Cancelled (likewise).
 WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, const WriteOptions& options,
                   Progress& progress);
 

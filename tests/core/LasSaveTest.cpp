@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "core/Error.h"
+#include "core/las/AtomicFile.h"
 #include "core/las/Reader.h"
 #include "core/las/SourceParser.h"
 #include "core/las/Writer.h"
@@ -8,6 +9,9 @@
 
 #include <QTemporaryDir>
 #include <QTest>
+
+#include <sys/stat.h>
+#include <sys/xattr.h>
 
 using namespace punctum;
 using lasfiles::Bytes;
@@ -31,6 +35,12 @@ private slots:
     void lostPartsMakeChunksUneven();
     void versionsAreNotMixed();
     void indexStaysWithItsPoints();
+    void changedTargetIsAsked();
+    void targetThatChangesMeanwhileStays();
+    void attributesAndAccessAreKept();
+    void indexBesideIsSetAside();
+    void copcNameIsNamed();
+    void fullDiskIsFoundEarly();
 
 private:
     fs::path temp(const std::string& name) const { return fs::path(m_dir.path().toStdString()) / name; }
@@ -323,6 +333,138 @@ void LasSaveTest::indexStaysWithItsPoints()
         QCOMPARE(lasfiles::get<std::int64_t>(edited, payloadAt(edited) + kSpecialAt + 8), std::int64_t(-1));
         QCOMPARE(lasfiles::get<std::uint32_t>(edited, 243), 0u);
     }
+}
+
+void LasSaveTest::changedTargetIsAsked()
+{
+    const Bytes points = lasfiles::randomRecords(0, 20, 100, 1);
+    const Bytes mine = lasfiles::file(lasfiles::header(2, 0, 20, 100), {}, points);
+    const Bytes theirs = lasfiles::file(lasfiles::header(2, 0, 20, 50), {}, Bytes(50 * 20));
+    const fs::path path = make("shared.las", mine);
+    fs::create_symlink("shared.las", temp("other name.las"));
+    const auto cloud = load(path);
+    make("shared.las", theirs);
+    for (const char* name : {"shared.las", "other name.las"}) {
+        try {
+            save(*cloud, temp(name));
+            QFAIL("the changed file was replaced");
+        } catch (const las::WriteQuestion& question) {
+            QCOMPARE(question.kind(), las::WriteQuestion::Kind::TargetChanged);
+            QVERIFY(std::string(question.what()).find("Another program changed this file") != std::string::npos);
+        }
+        QVERIFY(lasfiles::readFile(path) == theirs);
+    }
+    las::WriteOptions options;
+    options.overwriteChanged = true;
+    save(*cloud, path, options);
+    QVERIFY(lasfiles::readFile(path) == mine);
+    save(*cloud, path);  // it is ours again
+
+    // a new file in its place is as much of a change, no file is none
+    fs::rename(path, temp("away.las"));
+    fs::copy_file(temp("away.las"), path);
+    QVERIFY_EXCEPTION_THROWN(save(*cloud, path), las::WriteQuestion);
+    fs::remove(path);
+    save(*cloud, path);
+    // another file than the cloud's own is replaced without a question: whoever chose its name was asked
+    save(*cloud, make("elsewhere.las", theirs));
+    QVERIFY(lasfiles::readFile(temp("elsewhere.las")) == mine);
+}
+
+void LasSaveTest::targetThatChangesMeanwhileStays()
+{
+    const fs::path target = make("target.las", Bytes(10));
+    const auto files = [&] { return std::distance(fs::directory_iterator(target.parent_path()), {}); };
+    const auto before = files();
+    {
+        las::AtomicFile file(target);
+        file.writeAt(0, Bytes(5));
+        make("target.las", Bytes(11));
+        QVERIFY_EXCEPTION_THROWN(file.commit(), Error);
+    }
+    {
+        las::AtomicFile file(temp("new.las"));
+        QVERIFY(!file.replaces());
+        make("new.las", Bytes(12));
+        QVERIFY_EXCEPTION_THROWN(file.commit(), Error);
+    }
+    QCOMPARE(lasfiles::readFile(target), Bytes(11));
+    QCOMPARE(lasfiles::readFile(temp("new.las")), Bytes(12));
+    QCOMPARE(files(), before + 1);
+}
+
+void LasSaveTest::attributesAndAccessAreKept()
+{
+    const auto cloud = load(make("a.las", lasfiles::file(lasfiles::header(2, 0, 20, 1), {}, Bytes(20))));
+    const fs::path target = make("attributes.las", Bytes(1));
+    ::chmod(target.c_str(), 0604);
+    const std::string text(200, 'o'), empty;
+    if (::setxattr(target.c_str(), "user.origin", text.data(), text.size(), 0) != 0)
+        QSKIP("the file system for temporary files has no extended attributes");
+    ::setxattr(target.c_str(), "user.empty", empty.data(), 0, 0);
+    // version 2; owner rw, user 1234 r, group none, mask r, others r (acl(5), as the kernel stores it)
+    struct Entry {
+        std::uint16_t tag, rights;
+        std::uint32_t id;
+    };
+    constexpr std::uint32_t kNobody = 0xFFFFFFFF;
+    const Entry entries[] = {{1, 6, kNobody}, {2, 4, 1234}, {4, 0, kNobody}, {16, 4, kNobody}, {32, 4, kNobody}};
+    Bytes list(4);
+    list[0] = std::byte(2);
+    const auto* p = reinterpret_cast<const std::byte*>(entries);
+    list.insert(list.end(), p, p + sizeof entries);
+    const bool lists = ::setxattr(target.c_str(), "system.posix_acl_access", list.data(), list.size(), 0) == 0;
+
+    const auto report = save(*cloud, target);
+    QVERIFY(report.notes.empty());
+    const auto value = [&](const char* name) {
+        std::string v(1000, '?');
+        const auto n = ::getxattr(target.c_str(), name, v.data(), v.size());
+        return n < 0 ? std::string("none") : v.substr(0, std::size_t(n));
+    };
+    QCOMPARE(value("user.origin"), text);
+    QCOMPARE(value("user.empty"), empty);
+    struct stat s {
+    };
+    QCOMPARE(::stat(target.c_str(), &s), 0);
+    QCOMPARE(s.st_mode & 0777u, lists ? 0644u : 0604u);
+    if (lists)
+        QVERIFY(value("system.posix_acl_access") == std::string(reinterpret_cast<char*>(list.data()), list.size()));
+    QVERIFY(lasfiles::readFile(target) == lasfiles::readFile(temp("a.las")));
+}
+
+void LasSaveTest::indexBesideIsSetAside()
+{
+    const auto cloud = load(make("i.las", lasfiles::file(lasfiles::header(2, 0, 20, 1), {}, Bytes(20))));
+    make("i.lax", Bytes(7, std::byte('x')));
+    QVERIFY(hasNote(save(*cloud, temp("i.las")), ".lax.old"));
+    QVERIFY(!fs::exists(temp("i.lax")));
+    QCOMPARE(lasfiles::readFile(temp("i.lax.old")), Bytes(7, std::byte('x')));
+    // beside a new name it belongs to nobody we know
+    make("j.lax", Bytes(8));
+    QVERIFY(hasNote(save(*cloud, temp("j.las")), "another file"));
+    QVERIFY(fs::exists(temp("j.lax")));
+    // a copy of all chunks leaves it right
+    save(*cloud, temp("k.laz"));
+    make("k.lax", Bytes(9));
+    const auto same = load(temp("k.laz"));
+    QVERIFY(save(*same, temp("k.laz")).notes.empty());
+    QVERIFY(fs::exists(temp("k.lax")));
+    set(*same, "UserData", 0, 1);
+    QVERIFY(hasNote(save(*same, temp("k.laz")), ".lax.old"));
+}
+
+void LasSaveTest::copcNameIsNamed()
+{
+    const auto cloud = load(make("c.las", lasfiles::file(lasfiles::header(2, 0, 20, 1), {}, Bytes(20))));
+    QVERIFY(hasNote(save(*cloud, temp("c.COPC.laz")), "copc"));
+    QVERIFY(save(*cloud, temp("c.laz")).notes.empty());
+}
+
+void LasSaveTest::fullDiskIsFoundEarly()
+{
+    QVERIFY_EXCEPTION_THROWN(las::AtomicFile(temp("huge.las"), std::uint64_t(1) << 60), Error);
+    QVERIFY(!fs::exists(temp("huge.las")));
 }
 
 QTEST_GUILESS_MAIN(LasSaveTest)

@@ -495,6 +495,48 @@ private slots:
         QCOMPARE(document->path(), dataFile(kAutzen));
     }
 
+    void changedFileIsAskedForBeforeSaving()
+    {
+        TestWindow test;
+        const QString path = test.folder.filePath(QStringLiteral("shared.las"));
+        writeSample(path, 5000);
+        Document* document = test.open(path);
+        QVERIFY(document);
+        QStringList asked;
+        bool answer = false;
+        test.window->workspace().askQuestion = [&](const QString& question, const QString& reason,
+                                                   const QString& yes, const std::function<void(bool)>& answered) {
+            asked << question << reason << yes;
+            answered(answer);
+        };
+        const auto save = [&] {
+            bool ended = false, saved = false;
+            test.window->workspace().save(*document, path, [&](bool done) {
+                ended = true;
+                saved = done;
+            });
+            return waitFor([&] { return ended; }) && saved;
+        };
+        QVERIFY(save());
+        QVERIFY(asked.isEmpty());
+        // as another program would
+        QFile file(path);
+        QVERIFY(file.open(QIODevice::Append));
+        file.write("theirs");
+        file.close();
+        const qint64 size = file.size();
+        QVERIFY(!save());
+        QCOMPARE(asked.size(), 3);
+        QVERIFY2(asked[1].contains(QStringLiteral("Another program changed this file")), qPrintable(asked[1]));
+        QCOMPARE(QFileInfo(path).size(), size);
+        answer = true;
+        QVERIFY(save());
+        QCOMPARE(asked.size(), 6);
+        QCOMPARE(QFileInfo(path).size(), size - 6);
+        QVERIFY(save());
+        QCOMPARE(asked.size(), 6);
+    }
+
     void screenshotIsTheFinishedPicture()
     {
         NEED_DATA(kAutzen);
