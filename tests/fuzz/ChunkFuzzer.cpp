@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// One chunk of compressed points of any format, through the reader, then compressed and read again.
-// Input: format; bits 0-2 of the second byte: extra bytes, bits 3-4: version of the items, bit 5: one stream
-// instead of chunks; number of points (u16); the chunk.
+// One chunk of compressed points of any format, by our decoder and LASzip's, through the reader, then compressed
+// and read again. Input: format; bits 0-2 of the second byte: extra bytes, bits 3-4: version of the items, bit 5:
+// one stream instead of chunks; number of points (u16); the chunk.
 #include "core/las/ChunkCodec.h"
 #include "core/las/ChunkTable.h"
+#include "core/las/PointwiseDecoder.h"
 #include "core/las/Reader.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
@@ -70,6 +71,18 @@ void encodeAgain(const las::LazInfo& standard, const lasfiles::Bytes& records)
     promise(decoder.position() == chunk.size(), "our own chunks end where they should");
 }
 
+/// Our decoder and LASzip's, where both read all points, read the same.
+void decodeByBoth(const las::LazInfo& info, std::span<const std::byte> chunk, std::size_t count)
+{
+    if (!las::PointwiseDecoder::supports(info) || chunk.size() < info.recordLength) return;
+    lasfiles::Bytes ours(count * info.recordLength), theirs(ours.size());
+    las::PointDecoder own(info, chunk, count), laszip(info, chunk, count, las::PointDecoder::Codec::Laszip);
+    const std::size_t read = own.decode(count, ours.data()), readByLaszip = laszip.decode(count, theirs.data());
+    if (read == count && own.position() == chunk.size())
+        promise(readByLaszip == count, "LASzip reads what we read to the end");
+    if (read == count && readByLaszip == count) promise(ours == theirs, "both decoders read the same points");
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
@@ -82,6 +95,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto length = std::uint16_t(las::standardRecordLength(format) + (choice & 7));
     const bool stream = (choice & 32) != 0 && !las::isExtendedFormat(format);
     const las::LazInfo standard = las::LazInfo::standard(format, length);
+    decodeByBoth(standard, input.rest(), count);
     static fuzz::MemoryFile memory;
     memory.set(fileAround(input.rest(), standard, choice >> 3 & 3, stream, count));
 
