@@ -7,6 +7,8 @@
 
 #include <QFileInfo>
 
+#include <algorithm>
+
 namespace punctum::ui
 {
 
@@ -18,7 +20,10 @@ Document::Document(std::shared_ptr<OpenCloud> data, QObject* parent)
       m_bounds(m_data->source->firstBounds),
       m_attributes(m_data->cloud->attributes())  // nobody else knows the cloud's list yet
 {
-    for (const std::string& warning : m_data->source->warnings) m_warnings << toQString(warning);
+    const auto& losses = m_data->source->losses;
+    for (const std::string& loss : losses) m_losses << toQString(loss);
+    for (const std::string& warning : m_data->source->warnings)
+        if (std::find(losses.begin(), losses.end(), warning) == losses.end()) m_warnings << toQString(warning);
 }
 
 QString Document::name() const
@@ -54,7 +59,7 @@ const AttributeFigures* Document::figures(const QString& name) const
 void Document::setLoaded(const las::ReadResult& result)
 {
     m_state = State::Ready;
-    for (const std::string& warning : result.warnings) m_warnings << toQString(warning);
+    for (const std::string& warning : result.warnings) m_losses << toQString(warning);  // of damaged points
     m_recovered = m_recovered || !result.missing.empty();
     m_rawBounds = result.bounds;
     m_bounds = m_data->cloud->coordinates().toWorld(result.bounds);

@@ -67,6 +67,9 @@ public:
     /// Something of the file is missing or damaged: it may not be overwritten.
     bool recovered() const noexcept { return m_recovered; }
     bool modified() const;
+    /// What is missing or damaged, one sentence each.
+    const QStringList& losses() const noexcept { return m_losses; }
+    /// What else is to be said of the file, one sentence each.
     const QStringList& warnings() const noexcept { return m_warnings; }
     /// Of the points read; until all are there, a first idea from the header.
     const WorldBounds& bounds() const noexcept { return m_bounds; }
@@ -112,6 +115,7 @@ private:
     QString m_path;
     State m_state = State::Loading;
     bool m_recovered = false;
+    QStringList m_losses;
     QStringList m_warnings;
     WorldBounds m_bounds;
     RawBounds m_rawBounds;

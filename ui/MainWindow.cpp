@@ -158,7 +158,7 @@ void MainWindow::connectParts()
             [this](MessageKind kind, const QString& text, const QString& details) {
                 m_viewport->messages().add(kind, text, details);
             });
-    const auto showDetails = [this](const QString& text) { showReport(this, tr("What was saved"), text); };
+    const auto showDetails = [this](const QString& text) { showReport(this, tr("Details"), text); };
     connect(&m_viewport->messages(), &MessageArea::detailsWanted, this, showDetails);
     connect(m_properties, &PropertiesDock::detailsWanted, this, showDetails);
     connect(m_workspace, &Workspace::saved, this, [this](const Document* d) { rememberFile(d->path()); });

@@ -73,7 +73,7 @@ void MessageArea::add(MessageKind kind, const QString& sentence, const QString& 
         auto* more = new QToolButton;
         more->setObjectName(QStringLiteral("details"));
         more->setText(tr("Details"));
-        more->setToolTip(tr("Show exactly what differs"));
+        more->setToolTip(tr("Show all that there is to say"));
         connect(more, &QToolButton::clicked, this, [this, details] { emit detailsWanted(details); });
         row->addWidget(more, 0, Qt::AlignTop);
     }

@@ -174,7 +174,16 @@ void Workspace::openingEnded(const std::shared_ptr<Opening>& opening, const JobI
     document->setLoaded(opening->result);
     emit documentLoaded(document);
     const QStringList& warnings = document->warnings();
-    if (warnings.size() == 1)
+    if (document->recovered()) {
+        const QStringList& losses = document->losses();
+        say(MessageKind::Warning,
+            (losses.size() == 1 ? tr("%1 is damaged: %2").arg(document->name(), losses.front())
+                                : tr("%1 is damaged in %2 ways; Properties lists them.")
+                                      .arg(document->name())
+                                      .arg(losses.size())) +
+                tr(" What could be read is open; it can be saved under another name."),
+            losses.size() == 1 ? QString() : losses.join(QLatin1Char('\n')));
+    } else if (warnings.size() == 1)
         say(MessageKind::Warning, tr("%1: %2").arg(document->name(), warnings.front()));
     else if (!warnings.isEmpty())
         say(MessageKind::Warning,

@@ -60,6 +60,17 @@ PointIndex missingPoints(const las::ReadResult& result)
     return missing;
 }
 
+/// What is missing or damaged, one sentence each; the warnings have them, too.
+std::vector<std::string> lossesOf(const FileInfo& info)
+{
+    const las::SourceFile& source = *info.cloud->source();
+    std::vector<std::string> losses = source.losses;
+    for (const std::string& warning : info.result.warnings)  // of the points, those that opening did not know yet
+        if (std::find(source.warnings.begin(), source.warnings.end(), warning) == source.warnings.end())
+            losses.push_back(warning);
+    return losses;
+}
+
 std::uint32_t listedComponents(const Attribute& attribute)
 {
     return attribute.kind == AttributeKind::Opaque ? attribute.columns[0]->components() : attribute.components;
@@ -121,6 +132,8 @@ Json jsonOf(const FileInfo& info)
             {"crs", source.crs},
             {"vlrs", vlrs},
             {"attributes", attributes},
+            {"recovered", source.recovered || !info.result.missing.empty()},
+            {"losses", lossesOf(info)},
             {"missing_points", missingPoints(info.result)},
             {"warnings", info.result.warnings}};
 }
@@ -248,10 +261,17 @@ std::string textOf(const FileInfo& info)
                                    vlr.extended ? "extended" : ""});
         out << table(records, {false, true, true, false});
     }
-    if (!info.result.warnings.empty()) {
-        out << "\n  Warnings\n";
-        for (const std::string& warning : info.result.warnings) out << "  - " << warning << '\n';
-    }
+    const std::vector<std::string> losses = lossesOf(info);
+    const auto list = [&](const char* heading, const std::vector<std::string>& sentences) {
+        if (sentences.empty()) return;
+        out << "\n  " << heading << '\n';
+        for (const std::string& sentence : sentences) out << "  - " << sentence << '\n';
+    };
+    std::vector<std::string> warnings = info.result.warnings;
+    std::erase_if(warnings,
+                  [&](const std::string& w) { return std::find(losses.begin(), losses.end(), w) != losses.end(); });
+    list("Missing or damaged (to be saved under another name only)", losses);
+    list("Warnings", warnings);
     if (const PointIndex missing = missingPoints(info.result))
         out << "\n  " << grouped(missing) << " points could not be read.\n";
     return std::move(out).str();

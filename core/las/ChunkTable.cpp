@@ -79,7 +79,6 @@ private:
         if (!plausible(c.count, c.bytes)) {
             c.count = decodable(c, stated());
             c.cut = true;
-            m_list.recovered = true;
             warnCount(stated(), c.count);
         }
         if (c.count != 0) m_list.chunks.push_back(c);
@@ -348,9 +347,9 @@ private:
     void warnCount(std::uint64_t said, std::uint64_t found)
     {
         if (said == found) return;
-        m_list.recovered = true;
-        m_list.warnings.push_back("The header says " + number(said) + " points, the file holds " + number(found) +
-                                  ".");
+        m_list.losses.push_back("The header says " + number(said) + " points, the file holds " + number(found) +
+                                ".");
+        m_list.warnings.push_back(m_list.losses.back());
     }
 
     const File& m_file;

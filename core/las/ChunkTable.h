@@ -43,7 +43,7 @@ struct ChunkList {
     std::uint64_t end = 0;  ///< first byte after chunks and table
     PointIndex points = 0;
     std::vector<std::string> warnings;
-    bool recovered = false;
+    std::vector<std::string> losses;  ///< those of the warnings that tell of points that are not there
 };
 
 /// Finds the chunks of the compressed points between `begin` (the header's point offset) and `end` (first EVLR or

@@ -169,7 +169,8 @@ struct SourceFile {
     std::string crs;              ///< WKT or a line on the GeoTIFF keys; empty when there is none
 
     std::vector<std::string> warnings;  ///< one sentence each, for the user
-    bool recovered = false;             ///< something is missing or damaged: save only under another name
+    std::vector<std::string> losses;    ///< those of the warnings that tell of what is missing or damaged
+    bool recovered = false;             ///< there are losses: save only under another name
 
     std::shared_ptr<PointsAsRead> asRead = std::make_shared<PointsAsRead>();
     std::shared_ptr<CurrentFile> current = std::make_shared<CurrentFile>();

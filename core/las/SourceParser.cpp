@@ -66,6 +66,7 @@ private:
     void warnRecovered(const std::string& sentence)
     {
         warn(sentence);
+        m_s.losses.push_back(sentence);
         m_s.recovered = true;
     }
 
@@ -290,7 +291,8 @@ private:
         const auto counts = statedCounts();
         ChunkList list = findChunks(m_file, begin, end, m_parsed.laz, counts);
         m_s.warnings.insert(m_s.warnings.end(), list.warnings.begin(), list.warnings.end());
-        m_s.recovered = m_s.recovered || list.recovered;
+        m_s.losses.insert(m_s.losses.end(), list.losses.begin(), list.losses.end());
+        m_s.recovered = m_s.recovered || !list.losses.empty();
         m_s.pointCount = list.points;
         m_parsed.chunks = std::move(list.chunks);
         return list.end;

@@ -182,6 +182,70 @@ private slots:
         QVERIFY(d.attributes.empty() && d.differing == 0 && !d.records.empty());
     }
 
+    void damagedFilesSayWhatIsMissing_data()
+    {
+        QTest::addColumn<QString>("name");
+        QTest::addColumn<QString>("missing");
+        QTest::newRow("truncated LAS") << QStringLiteral("cut.las") << QStringLiteral("The header says");
+        QTest::newRow("damaged LAZ chunk") << QStringLiteral("chunk.laz") << QStringLiteral("are damaged");
+        QTest::newRow("count") << QStringLiteral("count.las") << QStringLiteral("The header says 9000000");
+        QTest::newRow("extended record") << QStringLiteral("evlr.las") << QStringLiteral("extended records");
+    }
+    void damagedFilesSayWhatIsMissing()
+    {
+        QFETCH(QString, name);
+        QFETCH(QString, missing);
+        TestWindow test;
+        const QString path = test.folder.filePath(name);
+        writeSample(path, 60000);
+        QFile file(path);
+        QVERIFY(file.open(QIODevice::ReadWrite));
+        const auto put = [&](qint64 at, quint64 value, qint64 bytes) {
+            file.seek(at);
+            file.write(reinterpret_cast<const char*>(&value), bytes);
+        };
+        if (name == QLatin1String("cut.las")) QVERIFY(file.resize(file.size() * 2 / 3));
+        if (name == QLatin1String("chunk.laz"))
+            for (qint64 at = 20000; at < 24000; at += 8) put(at, ~quint64(0) / 3 + quint64(at), 8);
+        if (name == QLatin1String("count.las")) put(247, 9000000, 8);
+        if (name == QLatin1String("evlr.las")) {
+            put(235, quint64(file.size()) - 10, 8);
+            put(243, 2, 4);
+        }
+        file.close();
+        file.open(QIODevice::ReadOnly);
+        const QByteArray before = file.readAll();
+
+        Document* document = test.open(path);
+        QVERIFY(document);
+        QVERIFY(document->recovered());
+        QVERIFY2(document->losses().front().contains(missing), qPrintable(document->losses().join(' ')));
+        QVERIFY2(lastSentence(test).startsWith(name + QStringLiteral(" is damaged")),
+                 qPrintable(lastSentence(test)));
+        QVERIFY2(lastSentence(test).contains(QStringLiteral("another name.")), qPrintable(lastSentence(test)));
+        const QString properties = test.window->propertiesDock().text();
+        QVERIFY2(properties.contains(QStringLiteral("Missing or damaged\n") + document->losses().front()),
+                 qPrintable(properties));
+        QVERIFY(!test.window->menu().save->isEnabled());
+        QVERIFY(test.window->menu().save->toolTip().endsWith(QLatin1Char('.')));
+        QVERIFY(test.window->menu().saveAs->isEnabled());
+
+        // nothing destroys the original
+        test.window->saveTo(*document, path);
+        QVERIFY(waitFor([&] { return lastSentence(test).contains(QStringLiteral("under another name")); }));
+        file.seek(0);
+        QVERIFY(file.readAll() == before);
+        const QString copy = test.folder.filePath(QStringLiteral("copy.laz"));
+        test.window->saveTo(*document, copy);
+        QVERIFY(waitFor([&] { return QFileInfo::exists(copy) && !test.window->workspace().busy(); }));
+        QVERIFY(!document->recovered());
+        QVERIFY(test.window->menu().save->isEnabled());
+        file.seek(0);
+        QVERIFY(file.readAll() == before);
+        const las::Difference d = differenceOf(copy, copy);
+        QVERIFY(d.contentEqual() && d.compared > 0);
+    }
+
     void savesAlthoughThereIsNothingToCompareWith()
     {
         NEED_DATA(kAutzen);

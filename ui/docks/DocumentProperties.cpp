@@ -48,6 +48,13 @@ std::vector<PropertySection> documentProperties(const Document& document)
     const glm::dvec3 scale = document.cloud()->coordinates().scale;
     std::vector<PropertySection> sections;
 
+    if (document.recovered()) {
+        PropertySection missing{tr("Missing or damaged"), {}};
+        for (const QString& loss : document.losses()) missing.rows.push_back({{}, loss});
+        missing.rows.push_back(
+            {{}, tr("Save is off, so that the file keeps what could not be read: use Save As.")});
+        sections.push_back(missing);
+    }
     if (!document.warnings().isEmpty()) {
         PropertySection warnings{tr("Warnings"), {}};
         for (const QString& warning : document.warnings()) warnings.rows.push_back({{}, warning});
