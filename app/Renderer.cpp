@@ -21,7 +21,7 @@ constexpr double kFrameSeconds = 0.05;
 HeadlessRenderer::HeadlessRenderer(const std::string& backend)
 {
     const auto kind = render::backendFromName(backend).value_or(render::BackendKind::Cpu);
-    if (kind == render::BackendKind::GlPoints) m_context = render::EglContext::create();
+    if (render::needsGl(kind)) m_context = render::EglContext::create();
     m_renderer = std::make_unique<render::ProgressiveRenderer>(render::makeBackend(kind));
 }
 
@@ -29,13 +29,11 @@ HeadlessRenderer::~HeadlessRenderer() = default;
 
 void addBackendOption(CLI::App& command, std::string& backend)
 {
-    command.add_option("--backend", backend, "What draws: auto, cpu or gl-points; default auto, which is cpu here")
+    command.add_option("--backend", backend, "What draws: auto, cpu, gl-compute or gl-points; default auto, which is cpu here")
         ->type_name("NAME")
         ->check([](const std::string& name) {
             if (name == "auto" || render::backendFromName(name)) return std::string();
-            if (name == "gl-compute")
-                return std::string("The backend gl-compute is not there in this version; use cpu or gl-points.");
-            return "There is no backend \"" + name + "\"; there are auto, cpu and gl-points.";
+            return "There is no backend \"" + name + "\"; there are auto, cpu, gl-compute and gl-points.";
         });
 }
 

@@ -167,7 +167,8 @@ void MainMenu::makeView()
     QMenu* drawing = menu->addMenu(tr("&Draw with"));
     m_backends = new QActionGroup(this);
     choice(drawing, m_backends, tr("&CPU"), int(render::BackendKind::Cpu));
-    choice(drawing, m_backends, tr("&OpenGL points"), int(render::BackendKind::GlPoints));
+    choice(drawing, m_backends, tr("OpenGL Com&pute"), int(render::BackendKind::GlCompute));
+    choice(drawing, m_backends, tr("&OpenGL Points"), int(render::BackendKind::GlPoints));
     connect(m_backends, &QActionGroup::triggered, this,
             [this](const QAction* a) { emit backendChosen(render::BackendKind(a->data().toInt())); });
     menu->addSeparator();

@@ -243,7 +243,7 @@ void ViewRenderer::useBackend(Thread& thread, render::BackendKind kind)
         else
             thread.renderer = std::make_unique<render::ProgressiveRenderer>(std::move(backend));
     };
-    if (kind == BackendKind::GlPoints) {
+    if (render::needsGl(kind)) {
         try {
             render::EglContext context = render::EglContext::create();
             adopt(render::makeBackend(kind));

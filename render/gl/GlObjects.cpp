@@ -131,12 +131,18 @@ GlBuffer GlBuffer::allocate(std::size_t bytes)
     return buffer;
 }
 
-void GlBuffer::clear()
+void GlBuffer::reserve(std::size_t bytes)
+{
+    if (m_size >= bytes) return;
+    *this = GlBuffer();  // its memory may be needed for the new one
+    *this = allocate(bytes);
+}
+
+void GlBuffer::clear(std::uint32_t value)
 {
     assert(m_size % 4 == 0);
-    const GLuint zero = 0;
     glBindBuffer(GL_COPY_WRITE_BUFFER, id());
-    glClearBufferData(GL_COPY_WRITE_BUFFER, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &zero);
+    glClearBufferData(GL_COPY_WRITE_BUFFER, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &value);
 }
 
 void GlBuffer::write(std::size_t offset, const void* data, std::size_t bytes)

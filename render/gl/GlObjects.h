@@ -100,8 +100,10 @@ public:
         return m_handle.release();
     }
 
-    /// Zeroes the whole buffer, whose size must be a multiple of 4.
-    void clear();
+    /// Makes the buffer anew, uninitialised, when it is smaller. Throws Error.
+    void reserve(std::size_t bytes);
+    /// Sets each 4 bytes of the whole buffer, whose size must be a multiple of 4.
+    void clear(std::uint32_t value = 0);
     /// [offset, offset + bytes) must lie inside the buffer.
     void write(std::size_t offset, const void* data, std::size_t bytes);
     void read(std::size_t offset, void* data, std::size_t bytes) const;

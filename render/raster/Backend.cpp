@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "render/raster/cpu/CpuBackend.h"
+#include "render/raster/gl_compute/GlComputeBackend.h"
 #include "render/raster/gl_points/GlPointsBackend.h"
 
 namespace punctum::render
@@ -32,19 +33,34 @@ const SamplePlace* samplePlaces(int samples) noexcept
 
 std::string_view nameOf(BackendKind kind)
 {
-    return kind == BackendKind::Cpu ? "cpu" : "gl-points";
+    switch (kind) {
+        case BackendKind::Cpu:
+            return "cpu";
+        case BackendKind::GlCompute:
+            return "gl-compute";
+        case BackendKind::GlPoints:
+            break;
+    }
+    return "gl-points";
 }
 
 std::optional<BackendKind> backendFromName(std::string_view name)
 {
-    for (const BackendKind kind : {BackendKind::Cpu, BackendKind::GlPoints})
+    for (const BackendKind kind : kBackendKinds)
         if (name == nameOf(kind)) return kind;
     return std::nullopt;
 }
 
 std::unique_ptr<RasterBackend> makeBackend(BackendKind kind)
 {
-    if (kind == BackendKind::Cpu) return std::make_unique<CpuBackend>();
+    switch (kind) {
+        case BackendKind::Cpu:
+            return std::make_unique<CpuBackend>();
+        case BackendKind::GlCompute:
+            return makeGlComputeBackend();
+        case BackendKind::GlPoints:
+            break;
+    }
     return makeGlPointsBackend();
 }
 

@@ -19,9 +19,15 @@
 namespace punctum::render
 {
 
-enum class BackendKind { Cpu, GlPoints };
+enum class BackendKind { Cpu, GlCompute, GlPoints };
+inline constexpr std::array kBackendKinds{BackendKind::Cpu, BackendKind::GlCompute, BackendKind::GlPoints};
+/// Whether it draws into a current OpenGL context.
+constexpr bool needsGl(BackendKind kind) noexcept
+{
+    return kind != BackendKind::Cpu;
+}
 
-/// "cpu", "gl-points": names on the command line.
+/// "cpu", "gl-compute", "gl-points": names on the command line.
 std::string_view nameOf(BackendKind kind);
 std::optional<BackendKind> backendFromName(std::string_view name);
 
@@ -132,7 +138,8 @@ public:
     virtual double coveredShare() = 0;
 };
 
-/// Throws Error when this machine cannot run it. GlPoints: needs a current OpenGL 4.3 core context or later.
+/// Throws Error when this machine cannot run it. The others than Cpu need a current OpenGL 4.3 core context or
+/// later.
 std::unique_ptr<RasterBackend> makeBackend(BackendKind kind);
 
 }  // namespace punctum::render

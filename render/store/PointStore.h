@@ -59,6 +59,8 @@ public:
                OrderKind order = OrderKind::Stratified);
     ~PointStore();
 
+    /// No other store of this process has it, or had it: an address may come again, this does not.
+    std::uint64_t id() const noexcept { return m_id; }
     const PointCloud& cloud() const noexcept { return *m_cloud; }
     const SlotOrder& order() const noexcept { return m_order; }
     const LocalFrame& frame() const noexcept { return m_frame; }
@@ -122,6 +124,7 @@ private:
     bool makeElements(PointRange range, Scratch& scratch) const;
     void bumpVersions(PointRange range, bool positions) noexcept;
 
+    std::uint64_t m_id;
     std::shared_ptr<const PointCloud> m_cloud;
     SlotOrder m_order;
     RawBounds m_bounds;

@@ -131,17 +131,21 @@ private slots:
     void drawsTheSameByOpenGl_data()
     {
         QTest::addColumn<QString>("samples");
-        QTest::newRow("1 sample") << "1";
-        QTest::newRow("4 samples") << "4";
+        QTest::addColumn<QString>("backend");
+        QTest::newRow("1 sample, points") << "1" << "gl-points";
+        QTest::newRow("4 samples, points") << "4" << "gl-points";
+        QTest::newRow("1 sample, compute") << "1" << "gl-compute";
+        QTest::newRow("8 samples, compute") << "8" << "gl-compute";
     }
     void drawsTheSameByOpenGl()
     {
         QFETCH(QString, samples);
+        QFETCH(QString, backend);
         const QStringList options{"--samples", samples, "--point-size", "2"};
         const QImage cpu = render("cpu.png", options + QStringList{"--backend", "cpu"});
         const Outcome run =
             runPunctum(QStringList{"render", path("in.las"), "-o", path("gl.png"), "--size", "640x400",
-                                   "--background", "transparent", "--backend", "gl-points"} +
+                                   "--background", "transparent", "--backend", backend} +
                        options);
         if (run.exitCode == 1 && run.err.contains("OpenGL") && run.err.contains("no"))
             QSKIP(qPrintable("This machine has no OpenGL to test: " + run.err));

@@ -98,9 +98,7 @@ private slots:
         QTest::newRow("size") << render + QStringList{"--size", "big"};
         QTest::newRow("size of nothing") << render + QStringList{"--size", "0x100"};
         QTest::newRow("size of too much") << render + QStringList{"--size", "100000x100000"};
-        QTest::newRow("8 samples") << render + QStringList{"--samples", "8"};
         QTest::newRow("3 samples") << render + QStringList{"--samples", "3"};
-        QTest::newRow("backend gl-compute") << render + QStringList{"--backend", "gl-compute"};
         QTest::newRow("backend") << render + QStringList{"--backend", "abacus"};
         QTest::newRow("color map") << render + QStringList{"--color-map", "mud"};
         QTest::newRow("range") << render + QStringList{"--range", "5"};

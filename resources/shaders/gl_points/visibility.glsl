@@ -12,4 +12,8 @@ const uint kNoPoint = 0xFFFFFFFFu;
 
 // `which` is the level where there is one sample, and it is level 0.
 uint idAt(ivec2 pixel, int which) { return texelFetch(ids, pixel, which).r; }
-float depthAt(ivec2 pixel, int which) { return texelFetch(depths, pixel, which).r; }
+
+float depthAt(ivec2 pixel, int which)
+{
+    return uintBitsToFloat(0x3F800000u + 0x2B800000u - floatBitsToUint(texelFetch(depths, pixel, which).r));  // see points.vert
+}

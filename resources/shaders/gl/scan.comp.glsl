@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Between the two runs of collect.comp: where each chunk's list begins. Chunks are few: one invocation.
+// Between the two runs of collect.comp: where each chunk's list begins, and how many work groups draw it. Chunks are
+// few: one invocation.
 layout(local_size_x = 1) in;
 
 struct Command {
     uint count, instances, firstIndex;
     int baseVertex;
     uint baseInstance;
-    uint written, unused0, unused1;
+    uint groupsX, groupsY, groupsZ;
+    uint written, unused0, unused1, unused2;
 };
 layout(std430, binding = 1) buffer Commands { Command commands[]; };
 layout(location = 1) uniform uint chunkCount;
+layout(location = 2) uniform uint groupPoints;  // of a work group
 
 void main()
 {
@@ -17,6 +20,8 @@ void main()
     for (uint i = 0u; i < chunkCount; ++i) {
         commands[i].instances = 1u;
         commands[i].firstIndex = first;
+        commands[i].groupsX = (commands[i].count + groupPoints - 1u) / groupPoints;
+        commands[i].groupsY = commands[i].groupsZ = 1u;
         first += commands[i].count;
     }
 }

@@ -23,7 +23,7 @@ layout(location = 3) uniform vec4 lows;
 layout(location = 4) uniform vec4 highs;
 layout(location = 5) uniform bool first;  // no sums yet
 layout(location = 6) uniform bool last;   // make the picture
-layout(location = 7) uniform ivec2 size;
+layout(location = 7) uniform ivec4 band;  // first row, last row (excluded), width
 
 #if SAMPLES == 1
 uvec4 weighted(uvec4 color) { return color; }
@@ -73,8 +73,8 @@ uvec4 colorOf(uint word, uint kind, float low, float high)
 
 void main()
 {
-    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (pixel.x >= size.x || pixel.y >= size.y) return;
+    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, band.x);
+    if (pixel.x >= band.z || pixel.y >= band.y) return;
     uvec4 sum = first ? uvec4(0u) : imageLoad(sums, pixel);
     for (int s = 0; s < SAMPLES; ++s) {
         const uint id = idAt(pixel, s);

@@ -7,7 +7,8 @@ struct Command {
     uint count, instances, firstIndex;  // as glDrawElementsIndirect reads it
     int baseVertex;
     uint baseInstance;
-    uint written, unused0, unused1;
+    uint groupsX, groupsY, groupsZ;  // as glDispatchComputeIndirect reads it
+    uint written, unused0, unused1, unused2;
 };
 layout(std430, binding = 0) readonly buffer Chunks { uint firstIds[]; };  // rising
 layout(std430, binding = 1) coherent buffer Commands { Command commands[]; };
@@ -47,9 +48,9 @@ void main()
         seen[s] = id;
         bool again = id == kNoPoint;
         for (int t = 0; t < s; ++t) again = again || seen[t] == id;
-        // Of the pixels that show a point, the leftmost of the topmost row always lists it.
+        // Of the pixels that show a point, the leftmost of the topmost row of its band always lists it.
         if (!again && pixel.x > 0) again = pixelHas(pixel - ivec2(1, 0), id);
-        if (!again && pixel.y > 0) again = pixelHas(pixel - ivec2(0, 1), id);
+        if (!again && pixel.y > band.x) again = pixelHas(pixel - ivec2(0, 1), id);
         if (again) continue;
         const uint chunk = chunkOf(id);
         if (id < firstIds[chunk]) continue;

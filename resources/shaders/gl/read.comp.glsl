@@ -4,16 +4,18 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 struct Sample {
     uint id;
-    float depth;  // reversed, see points.vert
+    float depth;  // along the view direction
 };
 layout(std430, binding = 0) writeonly buffer Samples { Sample samples[]; };
 layout(location = 0) uniform ivec4 rectangle;  // x, y, width, height
+layout(location = 1) uniform ivec2 rows;       // of the picture: first, last (excluded)
 
 void main()
 {
     const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     if (at.x >= rectangle.z || at.y >= rectangle.w) return;
     const ivec2 pixel = rectangle.xy + at;
+    if (pixel.y < rows.x || pixel.y >= rows.y) return;
     for (int s = 0; s < SAMPLES; ++s)
         samples[(at.y * rectangle.z + at.x) * SAMPLES + s] = Sample(idAt(pixel, s), depthAt(pixel, s));
 }

@@ -25,7 +25,7 @@ public:
     /// `chunkSlots`: a multiple of PointStore::kBlockSlots.
     GlPointCopy(const PointStore& store, Slot chunkSlots);
 
-    /// False when the store is another one than this copy was made of (at the same address), or was rebuilt.
+    /// False when the store is another one than this copy was made of, or was rebuilt.
     bool matches(const PointStore& store) const noexcept;
 
     struct Chunk {
@@ -50,7 +50,7 @@ public:
     /// Makes room for classes wherever something was drawn, so that attribute 1 can be used.
     void requireClasses();
 
-    // -- notes of GlPointsBackend on this copy
+    // -- notes of GlBackend on this copy
     bool rebuilt = false;        ///< visible points may not have come over yet
     bool wordsOutdated = false;  ///< words of visible points may be those of another attribute or of an older value
     std::shared_ptr<const AttributeEncoder> encoder;  ///< of the words, when they were last found complete
@@ -63,13 +63,12 @@ private:
     /// Consecutive blocks of one chunk.
     void put(const PointStore& store, Part part, Slot firstBlock, Slot lastBlock);
 
+    std::uint64_t m_store;  ///< PointStore::id()
     Slot m_slots;
     Slot m_chunkSlots, m_chunkBlocks;
     LocalFrame m_frame;
-    const LocalPosition* m_source;
     std::vector<Chunk> m_chunks;
     std::vector<std::uint32_t> m_positionVersions, m_wordVersions, m_classVersions;  ///< of what is here, by block
-    std::vector<LocalPosition> m_firstPositions;  ///< of each block, as it came over
     Slot m_cursor = 0;
 };
 

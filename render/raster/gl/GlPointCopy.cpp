@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "render/raster/gl_points/GlPointCopy.h"
+#include "render/raster/gl/GlPointCopy.h"
 
 #include <epoxy/gl.h>
 
@@ -18,23 +18,17 @@ std::uint32_t versionOf(const PointStore& store, GlPointCopy::Part part, Slot bl
     return part == GlPointCopy::Part::Positions ? store.positionVersion(block) : store.wordVersion(block);
 }
 
-bool sameAt(const LocalPosition& a, const LocalPosition& b) noexcept
-{
-    return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
 }  // namespace
 
 GlPointCopy::GlPointCopy(const PointStore& store, Slot chunkSlots)
-    : m_slots(store.slotCount()),
+    : m_store(store.id()),
+      m_slots(store.slotCount()),
       m_chunkSlots(chunkSlots),
       m_chunkBlocks(chunkSlots / kBlockSlots),
       m_frame(store.frame()),
-      m_source(store.positions().data()),
       m_positionVersions(store.blocks()),
       m_wordVersions(store.blocks()),
-      m_classVersions(store.blocks()),
-      m_firstPositions(store.blocks())
+      m_classVersions(store.blocks())
 {
     assert(chunkSlots >= kBlockSlots && chunkSlots % kBlockSlots == 0);
     for (std::uint64_t first = 0; first < m_slots; first += chunkSlots) {
@@ -48,22 +42,7 @@ GlPointCopy::GlPointCopy(const PointStore& store, Slot chunkSlots)
 bool GlPointCopy::matches(const PointStore& store) const noexcept
 {
     const LocalFrame& frame = store.frame();
-    if (store.slotCount() != m_slots || store.positions().data() != m_source || frame.origin != m_frame.origin ||
-        frame.shift != m_frame.shift)
-        return false;
-    // A store that was closed and one that was opened since can have everything alike, the address too, but for
-    // the points. A few are looked at, once loading no longer changes them.
-    const bool settled = store.filled() >= store.cloud().size();
-    constexpr Slot kLooks = 64;
-    const Slot step = std::max<Slot>(1, store.blocks() / kLooks);
-    for (Slot b = 0; b < store.blocks(); b += step) {
-        const std::uint32_t version = store.positionVersion(b);
-        if (version < m_positionVersions[b]) return false;
-        if (settled && version != 0 && version == m_positionVersions[b] &&
-            !sameAt(store.positions()[std::size_t(b) * kBlockSlots], m_firstPositions[b]))
-            return false;
-    }
-    return true;
+    return store.id() == m_store && frame.origin == m_frame.origin && frame.shift == m_frame.shift;
 }
 
 std::vector<std::uint32_t>& GlPointCopy::versions(Part part) noexcept
@@ -110,10 +89,7 @@ void GlPointCopy::put(const PointStore& store, Part part, Slot firstBlock, Slot 
     allocate(chunk, part);
     // The versions first: what is written between here and the copying raises them again.
     std::vector<std::uint32_t>& mine = versions(part);
-    for (Slot b = firstBlock; b < lastBlock; ++b) {
-        mine[b] = versionOf(store, part, b);
-        if (part == Part::Positions) m_firstPositions[b] = store.positions()[std::size_t(b) * kBlockSlots];
-    }
+    for (Slot b = firstBlock; b < lastBlock; ++b) mine[b] = versionOf(store, part, b);
     const auto first = std::size_t(firstBlock) * kBlockSlots;
     const auto count = std::min(std::size_t(lastBlock) * kBlockSlots, std::size_t(m_slots)) - first;
     const std::size_t at = first - chunk.first;

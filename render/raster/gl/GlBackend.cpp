@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: MIT
+#include "render/raster/gl/GlBackend.h"
+
+#include "core/Error.h"
+#include "render/resolve/CpuResolve.h"
+#include "resources.h"
+
+#include <epoxy/gl.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+namespace punctum::render
+{
+namespace
+{
+
+using Part = GlPointCopy::Part;
+
+/// Entries of one run of scatter.comp: 48 MiB.
+constexpr std::size_t kScatterEntries = std::size_t(1) << 22;
+/// Chunks of words that one run of resolve.comp sees.
+constexpr std::size_t kResolveChunks = 4;
+
+/// As scatter.comp reads it.
+struct ScatterEntry {
+    std::uint32_t slot, word, pointClass;
+};
+static_assert(sizeof(ScatterEntry) == 12);
+
+std::string_view shader(std::string_view name)
+{
+    return resource("shaders/gl/" + std::string(name));
+}
+
+}  // namespace
+
+std::array<std::uint32_t, 8> shownClasses(const FrameScene& scene) noexcept
+{
+    std::array<std::uint32_t, 8> shown{};
+    for (std::size_t c = 0; c < scene.classVisible.size(); ++c)
+        shown[c / 32] |= std::uint32_t(scene.classVisible[c]) << (c % 32);
+    return shown;
+}
+
+GlBackend::GlBackend(const GlLimits& limits, std::uint32_t groupPoints)
+    : m_info(requireGl43()), m_limits(limits), m_groupPoints(groupPoints)
+{
+    constexpr Slot kBlock = PointStore::kBlockSlots;
+    if (m_limits.chunkSlots == 0) {
+        const std::int64_t fits = m_info.maxStorageBlock / std::int64_t(sizeof(LocalPosition));
+        m_limits.chunkSlots =
+            Slot(std::clamp<std::int64_t>(fits / kBlock * kBlock, kBlock, GlPointCopy::kMostChunkSlots));
+    }
+    for (const bool classes : {false, true})
+        m_scatter[classes] = GlProgram::compute(
+            "scatter.comp",
+            {"#version 430 core\n", classes ? "#define CLASSES\n" : "", shader("scatter.comp.glsl")});
+}
+
+GlBackend::~GlBackend() = default;
+
+std::string GlBackend::description() const
+{
+    return m_info.renderer + ", OpenGL " + std::to_string(m_info.major) + "." + std::to_string(m_info.minor);
+}
+
+void GlBackend::setTarget(const TargetSize& size)
+{
+    const GlStateGuard guard;
+    if (size.width > m_info.maxTextureSize || size.height > m_info.maxTextureSize)
+        throw Error("The graphics card draws pictures of at most " + std::to_string(m_info.maxTextureSize) +
+                    " px a side. Ask for a smaller one or choose the CPU backend.");
+    m_picture.reset();
+    m_sums.reset();
+    for (auto& [store, copy] : m_copies) copy.rebuilt = false;
+    m_visibility->setSize(size, m_info);
+    if (!m_visibility->empty()) targetChanged();
+    checkGlErrors("making the picture's buffers");
+}
+
+void GlBackend::clear()
+{
+    const GlStateGuard guard;
+    m_visibility->clear();
+    for (auto& [store, copy] : m_copies) copy.rebuilt = false;
+}
+
+void GlBackend::visibleIds(std::vector<PointId>& out)
+{
+    out.clear();
+    const GlStateGuard guard;
+    // One chunk that begins at id 0: ids come back as they are.
+    const PointId zero = 0;
+    std::vector<std::uint32_t> list;
+    for (const GlVisibility::Band& band : m_visibility->collect({&zero, 1})) {
+        GlVisibility::readBack(band, 1, list);
+        out.insert(out.end(), list.begin(), list.end());
+    }
+    checkGlErrors("reading what is visible");
+}
+
+void GlBackend::updateCopies(const FrameScene& scene)
+{
+    const auto wanted = [&](const PointStore* store) {
+        return std::any_of(scene.layers.begin(), scene.layers.end(),
+                           [&](const Layer& l) { return l.store == store; });
+    };
+    std::erase_if(m_copies, [&](const auto& entry) { return !wanted(entry.first); });
+    for (const Layer& layer : scene.layers) {
+        const PointStore& store = *layer.store;
+        const auto it = m_copies.find(&store);
+        const bool known = it != m_copies.end();
+        if (known && it->second.matches(store)) continue;
+        if (known) m_copies.erase(it);
+        GlPointCopy copy(store, m_limits.chunkSlots);
+        copy.rebuilt = known;
+        copy.encoder = store.encoder();
+        m_copies.emplace(&store, std::move(copy));
+    }
+}
+
+std::vector<GlBackend::ChunkPlace> GlBackend::places(const FrameScene& scene) const
+{
+    std::vector<ChunkPlace> all;
+    for (std::size_t layer = 0; layer < scene.layers.size(); ++layer) {
+        const auto chunks = m_copies.at(scene.layers[layer].store).chunks();
+        for (std::size_t chunk = 0; chunk < chunks.size(); ++chunk)
+            all.push_back({scene.layers[layer].firstId + chunks[chunk].first, layer, chunk});
+    }
+    std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.firstId < b.firstId; });
+    return all;
+}
+
+void GlBackend::draw(const FrameScene& scene, std::size_t layer, SlotRange slots)
+{
+    if (m_visibility->empty()) return;
+    const GlStateGuard guard;
+    updateCopies(scene);
+    const Layer& l = scene.layers[layer];
+    GlPointCopy& copy = copyOf(l);
+    slots.last = std::min(slots.last, l.store->slotCount());
+    if (slots.first >= slots.last) return;
+    // Words before positions, as a point that was not there before shall not come with an older word.
+    copy.update(*l.store, Part::Words, slots);
+    if (!scene.allClassesVisible) copy.update(*l.store, Part::Classes, slots);
+    copy.update(*l.store, Part::Positions, slots);
+    drawSlots(scene, l, slots);
+    checkGlErrors("drawing points");
+}
+
+void GlBackend::reproject(const FrameScene& scene)
+{
+    if (m_visibility->empty()) return;
+    const GlStateGuard guard;
+    updateCopies(scene);
+    for (const Layer& layer : scene.layers) {
+        GlPointCopy& copy = copyOf(layer);
+        if (std::exchange(copy.rebuilt, false))
+            copy.update(*layer.store, Part::Positions, {0, layer.store->slotCount()});
+    }
+    if (!scene.allClassesVisible) updateVisible(scene, Part::Classes);
+
+    std::vector<ChunkPlace> all = places(scene);
+    std::vector<PointId> firstIds;
+    for (const ChunkPlace& place : all) firstIds.push_back(place.firstId);
+    const auto bands = m_visibility->collect(firstIds, m_groupPoints);
+    m_visibility->clear();
+    drawLists(scene, all, bands);
+    checkGlErrors("drawing points");
+}
+
+void GlBackend::updateVisible(const FrameScene& scene, Part part)
+{
+    // The stratified order spreads what is visible over all blocks. So when many blocks have changed, the visible
+    // points' words alone are picked out and sent (Schuetz et al. 2019, section 3.5, with the visible first), and
+    // whole blocks follow, some each frame.
+    std::vector<bool> layers(scene.layers.size());
+    bool any = false;
+    for (std::size_t i = 0; i < scene.layers.size(); ++i) {
+        const PointStore& store = *scene.layers[i].store;
+        GlPointCopy& copy = copyOf(scene.layers[i]);
+        const auto encoder = store.encoder();
+        if (!copy.encoder) copy.encoder = encoder;
+        if (copy.encoder != encoder || store.stale()) copy.wordsOutdated = true;
+        const bool loading = store.filled() < store.cloud().size();
+        if (part == Part::Classes) copy.requireClasses();
+
+        const std::size_t stale = copy.staleBlocks(store, part);
+        copy.updateSome(store, part, m_limits.blocksAFrame);
+        if (stale <= m_limits.blocksAFrame) {
+            if (part == Part::Words && !store.stale()) {
+                copy.wordsOutdated = false;
+                copy.encoder = encoder;
+            }
+        } else if (!loading || copy.wordsOutdated) {
+            // While a file loads all blocks change, but not the points that were drawn: draw() brought those.
+            layers[i] = any = true;
+        }
+    }
+    if (any) scatter(scene, layers);
+}
+
+void GlBackend::scatter(const FrameScene& scene, const std::vector<bool>& layers)
+{
+    const std::vector<ChunkPlace> all = places(scene);
+    std::vector<PointId> firstIds;
+    for (const ChunkPlace& place : all) firstIds.push_back(place.firstId);
+    std::vector<std::uint32_t> list;
+    std::vector<ScatterEntry> entries;
+    for (const GlVisibility::Band& band : m_visibility->collect(firstIds)) {
+        const auto commands = GlVisibility::readBack(band, all.size(), list);
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const Layer& layer = scene.layers[all[i].layer];
+            const GlPointCopy::Chunk& chunk = copyOf(layer).chunks()[all[i].chunk];
+            if (!layers[all[i].layer] || !chunk.words) continue;
+            const std::uint32_t* const words = layer.store->words().data() + chunk.first;
+            const std::uint8_t* const classes = layer.store->classes().data() + chunk.first;
+            const std::uint32_t* const slots = list.data() + commands[i].firstIndex;
+            for (std::size_t done = 0; done < commands[i].count;) {
+                const std::size_t count = std::min(kScatterEntries, commands[i].count - done);
+                entries.resize(count);
+                tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1 << 14), [&](const auto& r) {
+                    for (std::size_t k = r.begin(); k != r.end(); ++k) {
+                        const std::uint32_t slot = std::min(slots[done + k], chunk.slots - 1);
+                        entries[k] = {slot, words[slot], classes[slot]};
+                    }
+                });
+                m_entries.reserve(count * sizeof(ScatterEntry));
+                m_entries.write(0, entries.data(), count * sizeof(ScatterEntry));
+                m_scatter[bool(chunk.classes)].use();
+                glUniform1ui(0, GLuint(count));
+                glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, m_entries.id());
+                glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, chunk.words.id());
+                if (chunk.classes) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, chunk.classes.id());
+                glDispatchCompute(GLuint((count + 255) / 256), 1, 1);
+                done += count;
+            }
+        }
+    }
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
+                    GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT);
+}
+
+void GlBackend::runResolve(const FrameScene& scene, const ResolveSettings& settings)
+{
+    const TargetSize size = m_visibility->size();
+    GlProgram& program = m_resolve[sampleCountIndex(size.samples)];
+    if (!program) program = m_visibility->reader("resolve.comp", {shader("resolve.comp.glsl")});
+    const auto texture = [&](GLenum format) {
+        checkGlErrors("drawing");
+        GlTexture t = GlTexture::create();
+        glBindTexture(GL_TEXTURE_2D, t.id());
+        glTexStorage2D(GL_TEXTURE_2D, 1, format, size.width, size.height);
+        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+        checkGlErrors("making the picture");
+        return t;
+    };
+    glActiveTexture(GL_TEXTURE0);
+    if (!m_picture) m_picture = texture(GL_R32UI);
+
+    std::vector<ChunkPlace> drawn = places(scene);
+    std::erase_if(drawn,
+                  [&](const ChunkPlace& p) { return !copyOf(scene.layers[p.layer]).chunks()[p.chunk].words; });
+    if (drawn.size() > kResolveChunks && !m_sums) m_sums = texture(GL_RGBA32UI);
+
+    // As resolve.comp reads it: two tables of 256 colours, the colour of no value, the background's rows.
+    std::vector<Rgba8> tables;
+    tables.insert(tables.end(), settings.colorMap.begin(), settings.colorMap.end());
+    tables.insert(tables.end(), settings.palette.begin(), settings.palette.end());
+    tables.push_back(settings.noValue);
+    for (int y = 0; y < size.height; ++y) tables.push_back(backgroundOf(y, size.height, settings));
+    const std::size_t bytes = tables.size() * sizeof(Rgba8);
+    m_tables.reserve(bytes);
+    m_tables.write(0, tables.data(), bytes);
+
+    program.use();
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, m_tables.id());
+    glBindImageTexture(1, m_picture.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
+    if (m_sums) glBindImageTexture(0, m_sums.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
+    for (std::size_t first = 0; first == 0 || first < drawn.size(); first += kResolveChunks) {
+        GLuint firstIds[kResolveChunks]{}, counts[kResolveChunks]{}, kinds[kResolveChunks]{};
+        GLfloat lows[kResolveChunks]{}, highs[kResolveChunks]{};
+        for (std::size_t k = 0; k < kResolveChunks; ++k) {
+            GLuint words = m_tables.id();  // something must be bound
+            if (first + k < drawn.size()) {
+                const ChunkPlace& place = drawn[first + k];
+                const GlPointCopy::Chunk& chunk = copyOf(scene.layers[place.layer]).chunks()[place.chunk];
+                const LayerColors& colors = settings.layers[place.layer];
+                firstIds[k] = place.firstId;
+                counts[k] = chunk.slots;
+                kinds[k] = GLuint(colors.kind);
+                lows[k] = colors.low;
+                highs[k] = colors.high;
+                words = chunk.words.id();
+            }
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, GLuint(k), words);
+        }
+        glUniform4uiv(0, 1, firstIds);
+        glUniform4uiv(1, 1, counts);
+        glUniform4uiv(2, 1, kinds);
+        glUniform4fv(3, 1, lows);
+        glUniform4fv(4, 1, highs);
+        glUniform1i(5, first == 0);
+        glUniform1i(6, first + kResolveChunks >= drawn.size());
+        for (const GlVisibility::Band& band : m_visibility->bands()) {
+            m_visibility->bindForReading(band);
+            m_visibility->runOver(band, 7);
+        }
+        glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+    }
+    glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
+}
+
+void GlBackend::resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out)
+{
+    out.resize(m_visibility->size().width, m_visibility->size().height);
+    if (m_visibility->empty()) return;
+    const GlStateGuard guard;
+    updateCopies(scene);
+    updateVisible(scene, Part::Words);
+    runResolve(scene, settings);
+    glBindTexture(GL_TEXTURE_2D, m_picture.id());
+    static_assert(std::endian::native == std::endian::little);  // the lowest byte of a word is red
+    glGetTexImage(GL_TEXTURE_2D, 0, GL_RED_INTEGER, GL_UNSIGNED_INT, out.pixels.data());
+    glBindTexture(GL_TEXTURE_2D, 0);
+    checkGlErrors("making the picture");
+}
+
+void GlBackend::depths(std::vector<float>& out)
+{
+    const GlStateGuard guard;
+    m_visibility->depths(out);
+    checkGlErrors("reading depths");
+}
+
+std::optional<RasterBackend::Hit> GlBackend::pick(int x, int y, int radius)
+{
+    const GlStateGuard guard;
+    const auto hit = m_visibility->pick(x, y, radius);
+    checkGlErrors("picking a point");
+    return hit;
+}
+
+double GlBackend::coveredShare()
+{
+    const GlStateGuard guard;
+    const double share = m_visibility->coveredShare();
+    checkGlErrors("counting pixels");
+    return share;
+}
+
+}  // namespace punctum::render

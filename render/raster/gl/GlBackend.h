@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "render/raster/Backend.h"
+#include "render/raster/gl/GlPointCopy.h"
+#include "render/raster/gl/GlVisibility.h"
+
+#include <array>
+#include <memory>
+#include <unordered_map>
+
+namespace punctum::render
+{
+
+/// How much is done at once. The defaults suit every device; tests ask for less, to have many pieces of little.
+struct GlLimits {
+    Slot chunkSlots = 0;                             ///< slots of one piece of device memory, a multiple of
+                                                     ///< PointStore::kBlockSlots; 0: what the driver allows
+    std::size_t blocksAFrame = 64;                   ///< changed blocks of words (256 KiB) sent in one frame
+    std::size_t bandSamples = std::size_t(1) << 24;  ///< samples in one buffer (64 or 128 MiB)
+};
+
+/// What the backends that draw with OpenGL share: copies of the stores on the device, lists of what is visible, the
+/// picture, picking. How points get into the visibility buffer is the derived classes' business. Needs a current
+/// OpenGL 4.3 core context, which must be current whenever a member is called and when the backend is destroyed;
+/// leaves the context's drawing state as it found it, but for texture units 0 and 1 and the numbered storage and
+/// image bindings.
+class GlBackend : public RasterBackend
+{
+public:
+    ~GlBackend() override;
+    std::string description() const override;
+    void setTarget(const TargetSize& size) final;
+    TargetSize target() const noexcept final { return m_visibility->size(); }
+    void clear() final;
+    void visibleIds(std::vector<PointId>& out) final;
+    void reproject(const FrameScene& scene) final;
+    void draw(const FrameScene& scene, std::size_t layer, SlotRange slots) final;
+    void finish() final { GlSync::insert().wait(); }
+    void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) final;
+    void depths(std::vector<float>& out) final;
+    std::optional<Hit> pick(int x, int y, int radius) final;
+    double coveredShare() final;
+
+protected:
+    /// A chunk of the scene, in the numbering of the view.
+    struct ChunkPlace {
+        PointId firstId;
+        std::size_t layer;
+        std::size_t chunk;
+    };
+
+    /// `groupPoints`: of a work group that draws a list (GlVisibility::collect).
+    GlBackend(const GlLimits& limits, std::uint32_t groupPoints);
+    /// To be called by the derived constructor.
+    void setVisibility(std::unique_ptr<GlVisibility> visibility) { m_visibility = std::move(visibility); }
+    const GlInfo& info() const noexcept { return m_info; }
+    const GlLimits& limits() const noexcept { return m_limits; }
+    GlPointCopy& copyOf(const Layer& layer) { return m_copies.at(layer.store); }
+
+    /// The visibility buffer is new.
+    virtual void targetChanged() {}
+    /// Draws a run of slots, whose positions (and classes, when some are hidden) have come over.
+    virtual void drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots) = 0;
+    /// Draws the points that collect() listed for these chunks.
+    virtual void drawLists(const FrameScene& scene, std::span<const ChunkPlace> places,
+                           std::span<const GlVisibility::Band> bands) = 0;
+
+private:
+    /// Copies of the scene's stores, and of no others; makes them anew where a store is not what it was.
+    void updateCopies(const FrameScene& scene);
+    /// All chunks of the scene, by rising first id.
+    std::vector<ChunkPlace> places(const FrameScene& scene) const;
+    /// Brings words (or classes) of visible points up to date, and some of the others.
+    void updateVisible(const FrameScene& scene, GlPointCopy::Part part);
+    void scatter(const FrameScene& scene, const std::vector<bool>& layers);
+    void runResolve(const FrameScene& scene, const ResolveSettings& settings);
+
+    GlInfo m_info;
+    GlLimits m_limits;
+    std::uint32_t m_groupPoints;
+    std::unique_ptr<GlVisibility> m_visibility;
+    std::unordered_map<const PointStore*, GlPointCopy> m_copies;
+    std::array<GlProgram, 2> m_scatter;  ///< words; words and classes
+    std::array<GlProgram, kSampleCounts.size()> m_resolve;
+    GlBuffer m_entries, m_tables;
+    GlTexture m_picture, m_sums;
+};
+
+/// Bits of the classes that a scene shows, as shaders take them: two uvec4.
+std::array<std::uint32_t, 8> shownClasses(const FrameScene& scene) noexcept;
+
+}  // namespace punctum::render

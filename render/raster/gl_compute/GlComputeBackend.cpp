@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+#include "render/raster/gl_compute/GlComputeBackend.h"
+
+#include "core/Error.h"
+#include "render/raster/gl_compute/GlBufferVisibility.h"
+#include "resources.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <map>
+
+namespace punctum::render
+{
+namespace
+{
+
+constexpr std::uint32_t kGroupSize = 128;
+/// Points of a work group that draws a run. Long enough to spend little on starting groups; a run of a frame still
+/// has hundreds of groups, for devices with many cores.
+constexpr std::uint32_t kRunPoints = 32 * kGroupSize;
+/// Points of a work group that draws a list: lists are shorter.
+constexpr std::uint32_t kListPoints = 8 * kGroupSize;
+
+/// What a program is made for.
+struct Variant {
+    int pass = 0;  ///< see points.comp.glsl
+    bool list = false;
+    bool classes = false;
+    bool pixels = false;
+    int samples = 1;
+    friend auto operator<=>(const Variant&, const Variant&) = default;
+};
+
+GlProgram makeProgram(const Variant& v)
+{
+    std::string text = "#version 430 core\n";
+    if (v.pass == 2)
+        text += "#extension GL_ARB_gpu_shader_int64 : require\n#extension GL_NV_shader_atomic_int64 : require\n";
+    const auto define = [&](const std::string& name, const std::string& value) {
+        text += "#define " + name + " " + value + "\n";
+    };
+    define("PASS", std::to_string(v.pass));
+    define("SAMPLES", std::to_string(v.samples));
+    define("GROUP_SIZE", std::to_string(kGroupSize));
+    define("GROUP_POINTS", std::to_string(v.list ? kListPoints : kRunPoints));
+    if (v.list) define("LIST", "");
+    if (v.classes) define("CLASS_FILTER", "");
+    if (v.pixels) define("PIXELS", "");
+    std::string places;
+    for (int s = 0; s < v.samples; ++s) {
+        const SamplePlace& place = samplePlaces(v.samples)[s];
+        places +=
+            (s > 0 ? ", " : "") + ("ivec2(" + std::to_string(place[0])) + ", " + std::to_string(place[1]) + ")";
+    }
+    define("SAMPLE_PLACES", places);
+    text += resource("shaders/gl_compute/points.comp.glsl");
+    return GlProgram::compute("points.comp", {text});
+}
+
+/// Whether the driver says that it has 64-bit atomic operations, and its compiler takes them.
+bool hasWideAtomics()
+{
+    if (!epoxy_has_gl_extension("GL_ARB_gpu_shader_int64") || !epoxy_has_gl_extension("GL_NV_shader_atomic_int64"))
+        return false;
+    try {
+        makeProgram({.pass = 2, .pixels = true});
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+class GlComputeBackend final : public GlBackend
+{
+public:
+    explicit GlComputeBackend(const GlComputeOptions& options)
+        : GlBackend(options.limits, kListPoints), m_wide(options.allowWide && hasWideAtomics())
+    {
+        const auto fits = std::size_t(info().maxStorageBlock) / (m_wide ? 8 : 4);
+        auto visibility = std::make_unique<GlBufferVisibility>(std::min(options.limits.bandSamples, fits), m_wide);
+        m_target = visibility.get();
+        setVisibility(std::move(visibility));
+        checkGlErrors("starting");
+    }
+
+    BackendKind kind() const noexcept override { return BackendKind::GlCompute; }
+    std::string description() const override
+    {
+        return GlBackend::description() + (m_wide ? ", compute, 64-bit atomics" : ", compute, two passes");
+    }
+
+protected:
+    void drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots) override;
+    void drawLists(const FrameScene& scene, std::span<const ChunkPlace> places,
+                   std::span<const GlVisibility::Band> bands) override;
+
+private:
+    /// Calls f(band) for each pass and band, with the band bound.
+    template <class F>
+    void forEachPass(F&& f);
+    /// The program for this pass, in use, with everything set but the points.
+    void use(int pass, bool list, const FrameScene& scene, const Layer& layer, const GlVisibility::Band& band);
+    void bindChunk(const FrameScene& scene, const Layer& layer, const GlPointCopy::Chunk& chunk);
+
+    bool m_wide;
+    GlBufferVisibility* m_target;  ///< the visibility buffer, which GlBackend owns
+    std::map<Variant, GlProgram> m_programs;
+};
+
+template <class F>
+void GlComputeBackend::forEachPass(F&& f)
+{
+    for (int pass = m_wide ? 2 : 0; pass <= (m_wide ? 2 : 1); ++pass) {
+        for (const GlVisibility::Band& band : m_target->bands()) {
+            m_target->bindForDrawing(band);
+            f(pass, band);
+        }
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    }
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
+void GlComputeBackend::use(int pass, bool list, const FrameScene& scene, const Layer& layer,
+                           const GlVisibility::Band& band)
+{
+    const LayerProjection& p = layer.projection;
+    const TargetSize size = target();
+    const int steps = p.sizeInSteps();
+    const bool pixels = size.samples == 1 && steps == kSampleSteps;
+    const Variant variant{pass, list, !scene.allClassesVisible, pixels, size.samples};
+    GlProgram& program = m_programs[variant];
+    if (!program) program = makeProgram(variant);
+    program.use();
+    glUniform3i(0, p.reference.x, p.reference.y, p.reference.z);
+    glUniform4f(1, p.rowX.x, p.rowX.y, p.rowX.z, p.rowX.w);
+    glUniform4f(2, p.rowY.x, p.rowY.y, p.rowY.z, p.rowY.w);
+    glUniform4f(3, p.rowD.x, p.rowD.y, p.rowD.z, p.rowD.w);
+    glUniform1i(4, p.perspective);
+    glUniform1f(5, p.nearDepth);
+    glUniform1i(6, steps);
+    const float margin = pixels ? 0.0f : p.pointSize / 2 + 1;
+    glUniform4f(7, -margin, float(size.width) + margin, -margin, float(size.height) + margin);
+    glUniform4i(16, band.firstRow, band.lastRow, size.width, 0);
+    if (!scene.allClassesVisible) glUniform4uiv(14, 2, shownClasses(scene).data());
+}
+
+void GlComputeBackend::bindChunk(const FrameScene& scene, const Layer& layer, const GlPointCopy::Chunk& chunk)
+{
+    glUniform1ui(11, layer.firstId + chunk.first);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, chunk.positions.id());
+    if (!scene.allClassesVisible) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, chunk.classes.id());
+}
+
+void GlComputeBackend::drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots)
+{
+    const GlPointCopy& copy = copyOf(layer);
+    forEachPass([&](int pass, const GlVisibility::Band& band) {
+        use(pass, false, scene, layer, band);
+        for (Slot at = slots.first; at < slots.last;) {
+            const GlPointCopy::Chunk& chunk = copy.chunks()[at / copy.chunkSlots()];
+            const Slot end = std::min(slots.last, chunk.first + chunk.slots);
+            bindChunk(scene, layer, chunk);
+            glUniform2ui(12, at - chunk.first, end - chunk.first);
+            glDispatchCompute((end - at + kRunPoints - 1) / kRunPoints, 1, 1);
+            at = end;
+        }
+    });
+}
+
+void GlComputeBackend::drawLists(const FrameScene& scene, std::span<const ChunkPlace> places,
+                                 std::span<const GlVisibility::Band> bands)
+{
+    forEachPass([&](int pass, const GlVisibility::Band& target) {
+        std::size_t layer = scene.layers.size();
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const Layer& l = scene.layers[places[i].layer];
+            const GlPointCopy::Chunk& chunk = copyOf(l).chunks()[places[i].chunk];
+            if (!chunk.positions) continue;
+            if (layer != places[i].layer) use(pass, true, scene, l, target);
+            layer = places[i].layer;
+            bindChunk(scene, l, chunk);
+            glUniform1ui(12, GLuint(i));
+            for (const GlVisibility::Band& list : bands) {
+                glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, list.list.id());
+                glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, list.commands.id());
+                glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, list.commands.id());
+                glDispatchComputeIndirect(
+                    GLintptr(i * sizeof(GlVisibility::Command) + offsetof(GlVisibility::Command, groups)));
+            }
+        }
+    });
+    glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, 0);
+}
+
+}  // namespace
+
+std::unique_ptr<RasterBackend> makeGlComputeBackend(const GlComputeOptions& options)
+{
+    return std::make_unique<GlComputeBackend>(options);
+}
+
+}  // namespace punctum::render

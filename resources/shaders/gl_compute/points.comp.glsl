@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// Draws points into the visibility buffer (Schuetz, Kerbl, Wimmer 2022, section 3). A work group draws a batch of
+// GROUP_POINTS points, one invocation some of them, a stride apart, so that neighbours read neighbouring memory. What
+// is hidden by what was drawn before is found by a plain read; only the rest does atomic operations.
+//
+// PASS 2: one 64-bit minimum of (depth, id). Where the driver has none: PASS 0 finds each sample's least depth and
+// takes out the id of what is hidden now, PASS 1 puts in the least id of that depth. Both give the same picture.
+//
+// Where points go and what they cover is LayerProjection in render/raster/Backend.h; the order of operations is that
+// of the CPU backend's kernels.
+layout(local_size_x = GROUP_SIZE) in;
+
+layout(std430, binding = 0) readonly buffer Positions { int positions[]; };  // local integers; x == 0: empty slot
+#ifdef CLASS_FILTER
+layout(std430, binding = 1) readonly buffer Classes { uint classes[]; };  // four to a word
+layout(location = 14) uniform uvec4 shownClasses[2];                      // a bit a class
+#endif
+#ifdef LIST
+struct Command {
+    uint count, instances, firstIndex;
+    int baseVertex;
+    uint baseInstance;
+    uint groupsX, groupsY, groupsZ;
+    uint written, unused0, unused1, unused2;
+};
+layout(std430, binding = 2) readonly buffer List { uint list[]; };  // slots in the chunk
+layout(std430, binding = 3) readonly buffer Commands { Command commands[]; };
+layout(location = 12) uniform uint chunk;
+#else
+layout(location = 12) uniform uvec2 slots;  // first, last (excluded), in the chunk
+#endif
+#if PASS == 2
+layout(std430, binding = 5) coherent buffer Cells { uint64_t cells[]; };
+#else
+layout(std430, binding = 5) coherent buffer Ids { uint ids[]; };
+layout(std430, binding = 6) coherent buffer Depths { uint depths[]; };
+#endif
+
+layout(location = 0) uniform ivec3 reference;
+layout(location = 1) uniform vec4 rowX;
+layout(location = 2) uniform vec4 rowY;
+layout(location = 3) uniform vec4 rowD;
+layout(location = 4) uniform bool perspective;
+layout(location = 5) uniform float nearDepth;
+layout(location = 6) uniform int size;        // of the square, steps of 1/16 px
+layout(location = 7) uniform vec4 kept;       // points with lowX <= x < highX and lowY <= y < highY are drawn
+layout(location = 11) uniform uint firstId;   // of the chunk's first slot
+layout(location = 16) uniform ivec4 band;     // first row, last row (excluded), width
+
+const uint kNoPoint = 0xFFFFFFFFu;
+const ivec2 kPlaces[SAMPLES] = ivec2[SAMPLES](SAMPLE_PLACES);
+
+void cover(uint cell, uint id, uint depth)
+{
+#if PASS == 0
+    if (depth < depths[cell] && atomicMin(depths[cell], depth) > depth) ids[cell] = kNoPoint;
+#elif PASS == 1
+    if (depth == depths[cell] && id < ids[cell]) atomicMin(ids[cell], id);
+#else
+    const uint64_t key = packUint2x32(uvec2(id, depth));
+    if (key < cells[cell]) atomicMin(cells[cell], key);
+#endif
+}
+
+float along(vec4 row, vec3 q) { return fma(row.x, q.x, fma(row.y, q.y, fma(row.z, q.z, row.w))); }
+
+void draw(uint slot)
+{
+    const ivec3 position = ivec3(positions[3u * slot], positions[3u * slot + 1u], positions[3u * slot + 2u]);
+    const vec3 q = vec3(position - reference);
+    precise const float depth = along(rowD, q);
+    precise const float inverse = perspective ? 1.0 / depth : 1.0;
+    precise const vec2 px = vec2(along(rowX, q), along(rowY, q)) * inverse;
+    bool shown = position.x != 0 && depth >= nearDepth && px.x >= kept.x && px.x < kept.y && px.y >= kept.z &&
+                 px.y < kept.w;
+#ifdef CLASS_FILTER
+    const uint pointClass = (classes[slot >> 2] >> ((slot & 3u) * 8u)) & 255u;
+    shown = shown && ((shownClasses[pointClass >> 7][(pointClass >> 5) & 3u] >> (pointClass & 31u)) & 1u) != 0u;
+#endif
+    if (!shown) return;
+
+    const uint id = firstId + slot, bits = floatBitsToUint(depth);
+#ifdef PIXELS
+    const ivec2 pixel = ivec2(px);
+    if (pixel.y >= band.x && pixel.y < band.y) cover(uint((pixel.y - band.x) * band.z + pixel.x), id, bits);
+#else
+    precise const vec2 edge = (px - float(size) * 0.03125) * 16.0;
+    const ivec2 low = ivec2(floor(edge));
+    for (int s = 0; s < SAMPLES; ++s) {
+        const ivec2 first = max(((low - kPlaces[s]) >> 4) + 1, ivec2(0, band.x));
+        const ivec2 last = min((low + size - kPlaces[s]) >> 4, ivec2(band.z, band.y) - 1);
+        for (int y = first.y; y <= last.y; ++y)
+            for (int x = first.x; x <= last.x; ++x)
+                cover(uint(((y - band.x) * band.z + x) * SAMPLES + s), id, bits);
+    }
+#endif
+}
+
+void main()
+{
+#ifdef LIST
+    const uint first = commands[chunk].firstIndex, last = first + commands[chunk].count;
+#else
+    const uint first = slots.x, last = slots.y;
+#endif
+    const uint begin = first + gl_WorkGroupID.x * uint(GROUP_POINTS);
+    const uint end = min(last, begin + uint(GROUP_POINTS));
+    for (uint i = begin + gl_LocalInvocationID.x; i < end; i += uint(GROUP_SIZE)) {
+#ifdef LIST
+        draw(list[i]);
+#else
+        draw(i);
+#endif
+    }
+}

@@ -1,0 +1,735 @@
+// SPDX-License-Identifier: MIT
+#include "tests/render/GlBackendChecks.h"
+
+#include "core/Error.h"
+#include "core/las/Reader.h"
+#include "core/task/Progress.h"
+#include "render/camera/Projection.h"
+#include "render/progressive/ProgressiveRenderer.h"
+#include "tests/render/SyntheticCloud.h"
+
+#include <QtTest>
+
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <thread>
+
+namespace punctum::test
+{
+
+using namespace punctum::render;
+
+namespace
+{
+
+constexpr int kWidth = 400, kHeight = 260;
+
+std::shared_ptr<PointStore> filledStore(const std::shared_ptr<PointCloud>& cloud)
+{
+    auto store = std::make_shared<PointStore>(cloud, cloud->computeBounds());
+    store->fillAll();
+    return store;
+}
+
+Camera cameraFor(const PointCloud& cloud)
+{
+    Camera camera;
+    camera.yaw = 0.4;
+    camera.fit(cloud.coordinates().toWorld(cloud.computeBounds()), {kWidth, kHeight});
+    return camera;
+}
+
+/// The whole path of a picture, on either backend.
+struct View {
+    ProgressiveRenderer renderer;
+
+    View(std::unique_ptr<RasterBackend> backend, const std::vector<std::shared_ptr<PointStore>>& stores,
+         const Camera& camera, const DisplaySettings& display)
+        : renderer(std::move(backend))
+    {
+        for (const auto& store : stores) add(store);
+        renderer.setSize(kWidth, kHeight);
+        renderer.setCamera(camera);
+        renderer.setDisplay(display);
+    }
+    void add(const std::shared_ptr<PointStore>& store)
+    {
+        renderer.addCloud(store);
+        renderer.loadingEnded(store->cloud(), store->cloud().computeBounds());
+    }
+    int converge(double budget = 0.02)
+    {
+        int frames = 1;
+        while (!renderer.renderFrame(budget).converged && frames < 10'000) ++frames;
+        return frames;
+    }
+    Image bruteForce()
+    {
+        renderer.renderBruteForce();
+        return renderer.image();
+    }
+};
+
+std::unique_ptr<RasterBackend> cpu()
+{
+    return makeBackend(BackendKind::Cpu);
+}
+
+int differing(const Image& a, const Image& b)
+{
+    if (a.width != b.width || a.height != b.height) return INT_MAX;
+    int n = 0;
+    for (std::size_t k = 0; k < a.pixels.size(); ++k) n += !(a.pixels[k] == b.pixels[k]);
+    return n;
+}
+
+/// Pixels that differ as a share of those that show a point.
+double share(const Image& a, const Image& b, double covered)
+{
+    return differing(a, b) / std::max(1.0, covered * kWidth * kHeight);
+}
+
+/// share() of a picture from what all points give on another view, which is drawn for it.
+double share(const Image& image, View& reference)
+{
+    const Image expected = reference.bruteForce();
+    return share(image, expected, reference.renderer.coveredShare());
+}
+
+QString percent(double value)
+{
+    return QString::number(100 * value, 'f', 3) + " %";
+}
+
+}  // namespace
+
+void GlBackendChecks::initTestCase()
+{
+    try {
+        m_egl = EglContext::create();
+    } catch (const Error& e) {
+        QSKIP(e.what());
+    }
+    qInfo("%s", qPrintable(QString::fromStdString(gl()->description())));
+}
+
+std::shared_ptr<PointCloud> GlBackendChecks::cloudNamed(const QString& name)
+{
+    auto& cloud = m_clouds[name];
+    if (cloud) return cloud;
+    if (name == "synthetic") return cloud = makeCloud(300'000);
+    const std::filesystem::path file = std::filesystem::path(PUNCTUM_TEST_DATA) / name.toStdString();
+    if (!std::filesystem::exists(file)) return nullptr;
+    Progress progress;
+    return cloud = las::load(file, progress);
+}
+
+void GlBackendChecks::agreesWithTheCpuBackend_data()
+{
+    QTest::addColumn<QString>("file");
+    QTest::addColumn<int>("samples");
+    QTest::addColumn<double>("size");
+    QTest::addColumn<bool>("orthographic");
+    for (const char* file : {"synthetic", "autzen_trim.las", "tls_clip.laz", "lion_takanawa.copc.laz"})
+        for (const int samples : m_samples)
+            for (const double size : {1.0, 3.0})
+                for (const bool orthographic : {false, true}) {
+                    const bool rare = samples > 4;  // one file serves
+                    if (rare && (orthographic || std::string_view(file) != "synthetic")) continue;
+                    QTest::addRow("%s, %d samples, %g px%s", file, samples, size,
+                                  orthographic ? ", orthographic" : "")
+                        << file << samples << size << orthographic;
+                }
+}
+
+// What the constructor was told of the covered pixels may differ, for these reasons:
+// - two points of one sample that are equally deep: the CPU backend shows the smaller id, OpenGL the one drawn
+// first
+//   (a converged picture; drawn in one pass, as here, these are the same);
+// - the last bit of a float: whether products and sums are rounded together, and how a reciprocal is, is up to the
+//   driver, so that points on the edge of a sample, or nearly equally deep, fall on the other side;
+// - drivers whose 4 samples lie elsewhere than samplePlaces() (description() tells) differ at the rims of points.
+void GlBackendChecks::agreesWithTheCpuBackend()
+{
+    QFETCH(QString, file);
+    QFETCH(int, samples);
+    QFETCH(double, size);
+    QFETCH(bool, orthographic);
+    const auto cloud = cloudNamed(file);
+    if (!cloud) QSKIP(qPrintable(file + " is not there."));
+    const auto store = filledStore(cloud);
+    Camera camera = cameraFor(*cloud);
+    camera.orthographic = orthographic;
+    DisplaySettings display;
+    display.attribute = "Z";
+    display.samples = samples;
+    display.pointSize = size;
+    View reference(cpu(), {store}, camera, display);
+    View view(gl(), {store}, camera, display);
+    const Image expected = reference.bruteForce(), image = view.bruteForce();
+    const double covered = reference.renderer.coveredShare();
+    QVERIFY(covered > 0.05);
+    const double different = share(image, expected, covered);
+    qInfo("%s of the covered pixels differ", qPrintable(percent(different)));
+    QVERIFY(different <= m_tolerance.cpu);
+    QVERIFY(std::abs(view.renderer.coveredShare() - covered) <= 0.001);
+}
+
+// Points whose middle lies outside the picture reach into it with their squares, on all four sides.
+void GlBackendChecks::edgesOfThePictureAreComplete()
+{
+    const auto cloud = cloudNamed("synthetic");
+    Camera camera = cameraFor(*cloud);
+    camera.zoomTowards(camera.pivot, 0.02);
+    DisplaySettings display;
+    display.attribute = "Z";
+    display.pointSize = 21.0;
+    for (const int samples : {1, 4}) {
+        display.samples = samples;
+        const auto store = filledStore(cloud);
+        View reference(cpu(), {store}, camera, display);
+        View view(gl(), {store}, camera, display);
+        const Image expected = reference.bruteForce(), image = view.bruteForce();
+        QVERIFY(reference.renderer.coveredShare() > 0.3);
+        QVERIFY(share(image, expected, reference.renderer.coveredShare()) <= 0.01);
+        int border = 0, covered = 0;
+        for (int y = 0; y < kHeight; ++y)
+            for (const int x : {0, kWidth - 1}) {
+                border += !(image.at(x, y) == expected.at(x, y));
+                ++covered;
+            }
+        for (int x = 0; x < kWidth; ++x)
+            for (const int y : {0, kHeight - 1}) {
+                border += !(image.at(x, y) == expected.at(x, y));
+                ++covered;
+            }
+        QVERIFY2(border <= covered / 50, qPrintable(QString::number(border)));
+    }
+}
+
+// One millimetre tells two points apart at 10 km, near a coordinate origin far away, in both kinds of view.
+void GlBackendChecks::depthsKeepTheirDigits()
+{
+    auto cloud = makeCloud(2, {glm::dvec3(0.001), glm::dvec3(4e6, 5e6, 0)});
+    const auto x = cloud->columns()[0]->values<std::int32_t>(), y = cloud->columns()[1]->values<std::int32_t>(),
+               z = cloud->columns()[2]->values<std::int32_t>();
+    for (int k = 0; k < 2; ++k) x[std::size_t(k)] = 70'000, y[std::size_t(k)] = 80'000;
+    for (const bool orthographic : {false, true})
+        for (const std::size_t upper : {std::size_t(0), std::size_t(1)}) {
+            z[upper] = 2;
+            z[1 - upper] = 0;
+            const auto store = filledStore(cloud);
+            Camera camera;
+            camera.setView("top");
+            camera.orthographic = orthographic;
+            camera.pivot = cloud->world(0) + glm::dvec3(1, 1, 0);  // off the seam between the middle pixels
+            camera.eye = camera.pivot + glm::dvec3(0, 0, 1000);
+            View view(gl(), {store}, camera, {});
+            view.bruteForce();
+            const auto hit = view.renderer.pick(kWidth / 2, kHeight / 2, 3);
+            QVERIFY(hit);
+            QCOMPARE(hit->index, PointIndex(upper));
+            const auto raw = view.renderer.backend().pick(kWidth / 2, kHeight / 2, 3);
+            if (!orthographic) QVERIFY(std::abs(double(raw->depth) - 1000) < 0.01);
+        }
+}
+
+void GlBackendChecks::convergedEqualsBruteForce_data()
+{
+    QTest::addColumn<int>("samples");
+    QTest::addColumn<bool>("orthographic");
+    for (const int samples : m_samples)
+        for (const bool orthographic : {false, true})
+            QTest::addRow("%d samples%s", samples, orthographic ? ", orthographic" : "") << samples << orthographic;
+}
+
+void GlBackendChecks::convergedEqualsBruteForce()
+{
+    QFETCH(int, samples);
+    QFETCH(bool, orthographic);
+    const auto cloud = cloudNamed("synthetic");
+    const auto store = filledStore(cloud);
+    Camera camera = cameraFor(*cloud);
+    camera.orthographic = orthographic;
+    DisplaySettings display;
+    display.samples = samples;
+    View view(gl(), {store}, camera, display);
+    for (int k = 0; k < 5; ++k) {
+        camera.orbit(0.03, 0.01);
+        view.renderer.setCamera(camera);
+        view.renderer.renderFrame(0.001);
+    }
+    view.converge(0.001);
+    const Image converged = view.renderer.image();
+    View reference(gl(), {store}, camera, display);
+    const Image expected = reference.bruteForce();
+    QVERIFY(share(converged, expected, reference.renderer.coveredShare()) <= m_tolerance.converged);
+    // Once more over the same buffer: nothing is left of the picture before.
+    view.bruteForce();
+    QCOMPARE(differing(view.renderer.image(), expected), 0);
+}
+
+void GlBackendChecks::movingKeepsThePicture()
+{
+    const auto cloud = makeCloud(1'000'000);
+    const auto store = filledStore(cloud);
+    for (const int samples : {1, 4}) {
+        DisplaySettings display;
+        display.samples = samples;
+        Camera camera = cameraFor(*cloud);
+        View view(gl(), {store}, camera, display);
+        view.bruteForce();
+        const double converged = view.renderer.coveredShare();
+        camera.orbit(0.02, 0.0);
+        view.renderer.setCamera(camera);
+        const FrameReport frame = view.renderer.renderFrame(0.0);
+        QVERIFY(frame.filled < cloud->size() / 5);
+        QVERIFY2(view.renderer.coveredShare() > 0.9 * converged,
+                 qPrintable(QString::number(view.renderer.coveredShare() / converged)));
+    }
+}
+
+void GlBackendChecks::chunksMakeNoDifference()
+{
+    // Bands of 65 rows at 1 sample and of 16 at 4 samples; 5 chunks, and 2 runs of the resolve shader.
+    const GlLimits limits{.chunkSlots = PointStore::kBlockSlots, .bandSamples = 65 * kWidth};
+    const auto cloud = cloudNamed("synthetic");
+    const auto store = filledStore(cloud);
+    for (const int samples : {1, 4}) {
+        DisplaySettings display;
+        display.samples = samples;
+        display.attribute = "Intensity";
+        Camera camera = cameraFor(*cloud);
+        View whole(gl(), {store}, camera, display);
+        View parts(gl(limits), {store}, camera, display);
+        QCOMPARE(differing(whole.bruteForce(), parts.bruteForce()), 0);
+        const double covered = whole.renderer.coveredShare();
+        camera.orbit(0.5, 0.1);
+        for (View* view : {&whole, &parts}) {
+            view->renderer.setCamera(camera);
+            view->converge();
+        }
+        QVERIFY(share(whole.renderer.image(), parts.renderer.image(), covered) <= 0.001);
+        std::vector<PointId> a, b;
+        parts.bruteForce();
+        whole.bruteForce();
+        whole.renderer.backend().visibleIds(a);
+        parts.renderer.backend().visibleIds(b);
+        QCOMPARE(std::set(a.begin(), a.end()), std::set(b.begin(), b.end()));
+    }
+}
+
+void GlBackendChecks::severalCloudsComeAndGo()
+{
+    const auto a = makeCloud(100'000);
+    const auto b = makeCloud(150'000, {glm::dvec3(0.0005), glm::dvec3(150, 30, 4)});
+    auto storeA = filledStore(a);
+    const auto storeB = filledStore(b);
+    Camera camera;
+    WorldBounds bounds = a->coordinates().toWorld(a->computeBounds());
+    bounds.include(b->coordinates().toWorld(b->computeBounds()));
+    camera.fit(bounds, {kWidth, kHeight});
+    DisplaySettings display;
+    display.attribute = "Z";
+    View view(gl(), {storeA, storeB}, camera, display);
+    view.converge();
+    View both(cpu(), {storeA, storeB}, camera, display);
+    const Image expected = both.bruteForce();
+    QVERIFY(share(view.renderer.image(), expected, both.renderer.coveredShare()) <= 0.01);
+
+    view.renderer.removeCloud(*a);
+    view.converge();
+    View alone(cpu(), {storeB}, camera, display);
+    QVERIFY(share(view.renderer.image(), alone) <= 0.01);
+
+    view.add(storeA);
+    view.converge();
+    View again(cpu(), {storeB, storeA}, camera, display);
+    QVERIFY(share(view.renderer.image(), again) <= 0.01);
+
+    view.renderer.removeCloud(*a);
+    view.renderer.removeCloud(*b);
+    view.converge();
+    QCOMPARE(view.renderer.coveredShare(), 0.0);
+    View nothing(cpu(), {}, camera, display);
+    QCOMPARE(differing(view.renderer.image(), nothing.bruteForce()), 0);
+}
+
+void GlBackendChecks::hiddenClassesVanishAndComeBack()
+{
+    const auto cloud = makeCloud(300'000);
+    const auto store = filledStore(cloud);
+    DisplaySettings display;
+    display.attribute = "Classification";
+    View view(gl(), {store}, cameraFor(*cloud), display);
+    const Image all = view.bruteForce();
+    display.classVisible[6] = false;
+    view.renderer.setDisplay(display);
+    view.converge();
+    const auto shows = [&](const Image& image, std::size_t code) {
+        return std::count(image.pixels.begin(), image.pixels.end(), display.palette[code]) > 0;
+    };
+    QVERIFY(shows(all, 6) && shows(all, 2));
+    QVERIFY(!shows(view.renderer.image(), 6) && shows(view.renderer.image(), 2));
+    View reference(cpu(), {store}, cameraFor(*cloud), display);
+    QVERIFY(share(view.renderer.image(), reference) <= 0.01);
+
+    // Points that are put into a hidden class vanish too.
+    auto everything = std::make_shared<PointSet>(cloud->size());
+    for (PointIndex i = 0; i < cloud->size(); ++i) everything->insert(i);
+    const auto classes = cloud->findAttribute("Classification")->columns[0]->values<std::uint8_t>();
+    const std::vector<std::uint8_t> kept(classes.begin(), classes.end());
+    std::fill(classes.begin(), classes.end(), std::uint8_t(6));
+    view.renderer.valuesChanged(*cloud, {ChangeNotice::Kind::Values, {"Classification"}, everything});
+    view.converge();
+    QCOMPARE(view.renderer.coveredShare(), 0.0);
+    std::copy(kept.begin(), kept.end(), classes.begin());
+    view.renderer.valuesChanged(*cloud, {ChangeNotice::Kind::Values, {"Classification"}, everything});
+    display.classVisible.fill(true);
+    view.renderer.setDisplay(display);
+    view.converge();
+    QVERIFY(share(view.renderer.image(), all, view.renderer.coveredShare()) <= 0.001);
+}
+
+void GlBackendChecks::attributeSwitchShowsAtOnce()
+{
+    // 11 blocks of words: more than one frame brings over, so that the visible points' go first.
+    const auto cloud = makeCloud(700'000);
+    const auto store = filledStore(cloud);
+    const GlLimits limits{.blocksAFrame = 3};
+    const Camera camera = cameraFor(*cloud);
+    DisplaySettings display;
+    display.samples = 4;
+    View view(gl(limits), {store}, camera, display);
+    view.bruteForce();
+    for (const char* name : {"Classification", "GpsTime", "RGB"}) {
+        display.attribute = name;
+        view.renderer.setDisplay(display);
+        view.renderer.renderFrame(0.0);
+        const Image first = view.renderer.image();
+        View reference(cpu(), {store}, camera, display);
+        const Image expected = reference.bruteForce();
+        QVERIFY2(share(first, expected, reference.renderer.coveredShare()) <= 0.01, name);
+    }
+}
+
+// After a switch every point has its new word, those too that nobody saw when it happened.
+void GlBackendChecks::wordsOfAllPointsFollow()
+{
+    const auto cloud = makeCloud(700'000);
+    const auto store = filledStore(cloud);
+    Camera camera = cameraFor(*cloud);
+    const Camera home = camera;
+    DisplaySettings display;
+    View view(gl({.blocksAFrame = 1}), {store}, home, display);
+    view.bruteForce();
+    camera.zoomTowards(camera.pivot, 0.01);  // next to nothing is visible
+    view.renderer.setCamera(camera);
+    view.renderer.renderBruteForce();
+    display.attribute = "Intensity";
+    view.renderer.setDisplay(display);
+    for (int k = 0; k < 200 && store->stale(); ++k) view.renderer.renderFrame(0.01);
+    QVERIFY(!store->stale());
+    view.renderer.setCamera(home);
+    view.converge();
+    const Image image = view.renderer.image();
+    View reference(cpu(), {store}, home, display);
+    const Image expected = reference.bruteForce();
+    QVERIFY(share(image, expected, reference.renderer.coveredShare()) <= 0.01);
+}
+
+void GlBackendChecks::editsShowInTheNextFrame()
+{
+    const auto cloud = makeCloud(300'000);
+    const auto store = filledStore(cloud);
+    DisplaySettings display;
+    display.attribute = "Classification";
+    View view(gl(), {store}, cameraFor(*cloud), display);
+    view.converge();
+    const Image before = view.renderer.image();
+    const auto classes = cloud->findAttribute("Classification")->columns[0]->values<std::uint8_t>();
+    const auto setAll = [&](std::uint8_t from, std::uint8_t to) {
+        auto points = std::make_shared<PointSet>(cloud->size());
+        for (PointIndex i = 0; i < cloud->size(); ++i)
+            if (classes[i] == from) {
+                classes[i] = to;
+                points->insert(i);
+            }
+        view.renderer.valuesChanged(*cloud, {ChangeNotice::Kind::Values, {"Classification"}, points});
+        view.renderer.renderFrame(0.0);
+    };
+    setAll(2, 11);
+    const auto count = [&](std::size_t code) {
+        const auto& pixels = view.renderer.image().pixels;
+        return std::count(pixels.begin(), pixels.end(), display.palette[code]);
+    };
+    QCOMPARE(count(2), 0);
+    QVERIFY(count(11) > 1000);
+    setAll(11, 2);
+    QCOMPARE(differing(view.renderer.image(), before), 0);
+}
+
+// Every kind of word through both resolves: the same ids get the same colours, so that only a scalar on the rim of
+// two entries of the colour map may differ, by that one entry.
+void GlBackendChecks::colorsAreThoseOfTheCpuBackend()
+{
+    const auto cloud = makeCloud(1000);
+    // One point to each of 1000 px: nobody is hidden, and no edge matters.
+    const auto x = cloud->columns()[0]->values<std::int32_t>(), y = cloud->columns()[1]->values<std::int32_t>(),
+               z = cloud->columns()[2]->values<std::int32_t>();
+    for (std::size_t i = 0; i < 1000; ++i) {
+        x[i] = std::int32_t(i % 40) * 1000;
+        y[i] = std::int32_t(i / 40) * 1000;
+        z[i] = 5;
+    }
+    const auto classes = cloud->findAttribute("Classification")->columns[0]->values<std::uint8_t>();
+    for (std::size_t i = 0; i < 1000; ++i) classes[i] = std::uint8_t(i);
+    Attribute category = *cloud->findAttribute("Intensity");
+    category.name = "Id";
+    category.kind = AttributeKind::Category;
+    cloud->addAttribute(category);
+    Camera camera = cameraFor(*cloud);
+    camera.setView("top");
+    camera.pan({0.3, 0.2}, kHeight);  // the middle row off the seam between two rows of pixels
+    for (const int samples : {1, 4})
+        for (const char* name : {"Id", "Classification", "RGB", "Intensity", "GpsTime"}) {
+            const auto store = filledStore(cloud);
+            DisplaySettings display;
+            display.attribute = name;
+            display.samples = samples;
+            display.backgroundTop = {10, 20, 30, 0};
+            display.backgroundBottom = {200, 100, 0, 255};
+            View view(gl(), {store}, camera, display);
+            View reference(cpu(), {store}, camera, display);
+            const Image image = view.bruteForce(), expected = reference.bruteForce();
+            int bad = 0;
+            for (std::size_t k = 0; k < image.pixels.size(); ++k) {
+                const Rgba8 a = image.pixels[k], b = expected.pixels[k];
+                const int most =
+                    std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b), std::abs(a.a - b.a)});
+                bad +=
+                    most > (std::string_view(name) == "Intensity" || std::string_view(name) == "GpsTime" ? 8 : 0);
+            }
+            QVERIFY2(bad == 0, qPrintable(QString("%1, %2 samples: %3").arg(name).arg(samples).arg(bad)));
+        }
+}
+
+void GlBackendChecks::convergesWhileLoading()
+{
+    const auto cloud = makeCloud(600'000);
+    const RawBounds bounds = cloud->computeBounds();
+    const auto store = std::make_shared<PointStore>(cloud, bounds);
+    const Camera camera = cameraFor(*cloud);
+    ProgressiveRenderer renderer(gl());
+    renderer.setSize(kWidth, kHeight);
+    renderer.setCamera(camera);
+    renderer.addCloud(store);
+    std::atomic<bool> done = false;
+    std::thread loader([&] {
+        constexpr PointIndex kBatch = 10'000;
+        for (PointIndex k = 0; k < 60; ++k) {
+            const PointIndex first = k * 7 % 60 * kBatch;
+            store->fill({first, first + kBatch});
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        done = true;
+    });
+    DisplaySettings display;
+    display.attribute = "Intensity";
+    bool switched = false;
+    while (!done) {
+        renderer.renderFrame(0.002);
+        if (!switched && store->filled() > 200'000) {
+            renderer.setDisplay(display);
+            switched = true;
+        }
+    }
+    loader.join();
+    renderer.loadingEnded(*cloud, bounds);
+    renderer.setDisplay(display);
+    int frames = 0;
+    while (!renderer.renderFrame(0.01).converged) QVERIFY(++frames < 10'000);
+    View reference(gl(), {filledStore(cloud)}, camera, display);
+    const Image expected = reference.bruteForce();
+    QVERIFY(share(renderer.image(), expected, reference.renderer.coveredShare()) <= 0.001);
+}
+
+// A store whose frame was wrong: what was visible stays so when the frame is made anew, without a further draw.
+void GlBackendChecks::rebuiltStoresAreSeen()
+{
+    const auto cloud = cloudNamed("synthetic");
+    const RawBounds bounds = cloud->computeBounds();
+    RawBounds wrong = bounds;
+    wrong.min.x += 50'000 + (std::int64_t(1) << 29);  // a frame keeps that much room for surprises
+    wrong.max.x = wrong.min.x + 1000;
+    PointStore store(cloud, wrong);
+    store.fillAll();
+    QVERIFY(store.outgrown());
+    const Camera camera = cameraFor(*cloud);
+    const TargetSize size{kWidth, kHeight, 1};
+    FrameScene scene;
+    scene.layers.push_back({&store, 0, makeProjection(camera, store, size, 1.0)});
+    const auto backend = gl();
+    backend->setTarget(size);
+    backend->draw(scene, 0, {0, store.slotCount()});
+    const double before = backend->coveredShare();
+    QVERIFY(before > 0.05);
+    store.setBounds(bounds);
+    QVERIFY(!store.outgrown());
+    scene.layers[0].projection = makeProjection(camera, store, size, 1.0);
+    backend->reproject(scene);
+    QVERIFY(std::abs(backend->coveredShare() - before) < 0.01 * before);
+    backend->draw(scene, 0, {0, store.slotCount()});
+    QVERIFY(backend->coveredShare() > 1.1 * before);
+}
+
+// A cloud is closed and another one opened that has everything alike but its points: the place in memory, the
+// number of points, the bounds.
+void GlBackendChecks::otherStoresAtTheSameAddressAreSeen()
+{
+    const auto cloud = makeCloud(300'000);
+    const auto other = makeCloud(300'000);
+    const RawBounds bounds = cloud->computeBounds();
+    for (std::int32_t& z : other->columns()[2]->values<std::int32_t>())
+        z = std::int32_t(bounds.min.z + bounds.max.z - z);
+    DisplaySettings display;
+    display.attribute = "Z";
+    const Camera camera = cameraFor(*cloud);
+    View reference(cpu(), {filledStore(other)}, camera, display);
+    const Image expected = reference.bruteForce();
+
+    alignas(PointStore) std::byte place[sizeof(PointStore)];
+    const auto put = [&](const std::shared_ptr<PointCloud>& c) {
+        auto store =
+            std::shared_ptr<PointStore>(new (place) PointStore(c, bounds), [](PointStore* s) { s->~PointStore(); });
+        store->fillAll();
+        return store;
+    };
+    auto store = put(cloud);
+    View view(gl(), {store}, camera, display);
+    view.bruteForce();
+    view.renderer.removeCloud(*cloud);
+    const auto* const address = store->positions().data();
+    store.reset();
+    store = put(other);
+    if (store->positions().data() != address) qInfo("The memory was not given out again: an easy case.");
+    view.add(store);
+    QVERIFY(share(view.bruteForce(), expected, reference.renderer.coveredShare()) <= 0.01);
+    view.renderer.removeCloud(*other);
+}
+
+// While a file loads, what has been drawn has its colours, although blocks change faster than they are sent whole.
+void GlBackendChecks::colorsAreRightWhileLoading()
+{
+    const auto cloud = cloudNamed("synthetic");
+    const auto store = std::make_shared<PointStore>(cloud, cloud->computeBounds());
+    store->fill({0, cloud->size() / 2});
+    const Camera camera = cameraFor(*cloud);
+    DisplaySettings display;
+    display.attribute = "Intensity";
+    display.range = {{0.0, 3000.0}};
+    const auto begin = [&](ProgressiveRenderer& renderer) {
+        renderer.setSize(kWidth, kHeight);
+        renderer.setCamera(camera);
+        renderer.setDisplay(display);
+        renderer.addCloud(store);
+        renderer.renderFrame(5.0);  // all there is, in one frame
+    };
+    ProgressiveRenderer reference(cpu()), renderer(gl({.blocksAFrame = 1}));
+    begin(reference);
+    begin(renderer);
+    const double covered = reference.coveredShare();
+    QVERIFY(share(renderer.image(), reference.image(), covered) <= 0.01);
+    // And right after a switch in the middle of loading.
+    display.attribute = "Classification";
+    for (ProgressiveRenderer* r : {&reference, &renderer}) {
+        r->setDisplay(display);
+        r->renderFrame(5.0);
+    }
+    QVERIFY(share(renderer.image(), reference.image(), covered) <= 0.01);
+}
+
+void GlBackendChecks::picksWhatIsOnScreen()
+{
+    const auto cloud = cloudNamed("synthetic");
+    const auto store = filledStore(cloud);
+    for (const int samples : {1, 4}) {
+        DisplaySettings display;
+        display.samples = samples;
+        View view(gl(), {store}, cameraFor(*cloud), display);
+        View reference(cpu(), {store}, cameraFor(*cloud), display);
+        view.bruteForce();
+        reference.bruteForce();
+        int hits = 0, same = 0;
+        for (int y = 5; y < kHeight; y += 13)
+            for (int x = 5; x < kWidth; x += 17) {
+                const auto a = view.renderer.backend().pick(x, y, 3),
+                           b = reference.renderer.backend().pick(x, y, 3);
+                hits += bool(b);
+                same += a && b && a->id == b->id && std::abs(a->depth - b->depth) < 1e-4f * b->depth;
+            }
+        QVERIFY(hits > 50);
+        QVERIFY2(same >= hits * 98 / 100, qPrintable(QString("%1 of %2").arg(same).arg(hits)));
+        std::vector<float> depths, expected;
+        view.renderer.backend().depths(depths);
+        reference.renderer.backend().depths(expected);
+        QCOMPARE(depths.size(), expected.size());
+        std::size_t unlike = 0;
+        for (std::size_t k = 0; k < depths.size(); ++k)
+            unlike += !(depths[k] == expected[k] || std::abs(depths[k] - expected[k]) < 1e-4f * expected[k]);
+        QVERIFY2(unlike * 50 <= depths.size(), qPrintable(QString::number(unlike)));
+        QVERIFY(!view.renderer.backend().pick(-100, -100, 3));
+        QVERIFY(!view.renderer.backend().pick(kWidth + 50, 10, 3));
+    }
+}
+
+void GlBackendChecks::listsEachVisiblePoint()
+{
+    const auto cloud = makeCloud(5000);  // few, so that squares are seen whole
+    const auto store = filledStore(cloud);
+    for (const int samples : {1, 4}) {
+        DisplaySettings display;
+        display.samples = samples;
+        display.pointSize = 4;
+        View view(gl(), {store}, cameraFor(*cloud), display);
+        View reference(cpu(), {store}, cameraFor(*cloud), display);
+        view.bruteForce();
+        reference.bruteForce();
+        std::vector<PointId> a, b, both;
+        view.renderer.backend().visibleIds(a);
+        reference.renderer.backend().visibleIds(b);
+        const std::size_t listed = a.size();
+        for (auto* ids : {&a, &b}) {
+            std::sort(ids->begin(), ids->end());
+            ids->erase(std::unique(ids->begin(), ids->end()), ids->end());
+        }
+        std::set_symmetric_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+        QVERIFY(b.size() > 1000);
+        // A point shows in up to 25 px, of 4 samples each; it is named again only where its square is in pieces.
+        QVERIFY2(listed <= a.size() * 5 / 4, qPrintable(QString("%1 of %2").arg(listed).arg(a.size())));
+        QVERIFY2(both.size() <= b.size() / 100, qPrintable(QString("%1 of %2").arg(both.size()).arg(b.size())));
+    }
+}
+
+void GlBackendChecks::impossibleSizesAreErrors()
+{
+    const auto backend = gl();
+    backend->setTarget({64, 48, 4});
+    QVERIFY_EXCEPTION_THROWN(backend->setTarget({1 << 20, 10, 1}), Error);
+    QVERIFY_EXCEPTION_THROWN(backend->setTarget({10, 10, 3}), Error);
+    backend->setTarget({0, 0, 1});
+    Image image;
+    backend->resolve({}, {}, image);
+    QVERIFY(image.pixels.empty());
+    QCOMPARE(backend->coveredShare(), 0.0);
+    backend->setTarget({7, 5, 1});
+    backend->resolve({}, {}, image);
+    QCOMPARE(image.pixels.size(), std::size_t(35));
+    QCOMPARE(image.pixels.front(), ResolveSettings().backgroundTop);
+    QCOMPARE(image.pixels.back(), ResolveSettings().backgroundBottom);
+}
+
+}  // namespace punctum::test

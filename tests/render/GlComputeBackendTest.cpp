@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#include "render/raster/gl_compute/GlComputeBackend.h"
+#include "tests/render/GlBackendChecks.h"
+
+#include <QtTest>
+
+/// gl-compute. Nearest depth and least id win, as on the CPU: a converged picture is the brute-force picture.
+class GlComputeBackendTest : public punctum::test::GlBackendChecks
+{
+    Q_OBJECT
+
+public:
+    GlComputeBackendTest()
+        : GlBackendChecks(
+              [](const auto& limits) { return punctum::render::makeGlComputeBackend({.limits = limits}); },
+              {0.001, 0.0}, {1, 4, 8, 16})
+    {
+    }
+};
+
+QTEST_APPLESS_MAIN(GlComputeBackendTest)
+#include "GlComputeBackendTest.moc"
