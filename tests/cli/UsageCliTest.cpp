@@ -105,7 +105,7 @@ private slots:
         QTest::newRow("range upside down") << render + QStringList{"--range", "5:1"};
         QTest::newRow("view") << render + QStringList{"--view", "inside"};
         QTest::newRow("background") << render + QStringList{"--background", "greenish"};
-        QTest::newRow("edl") << render + QStringList{"--edl"};
+        QTest::newRow("bands") << render + QStringList{"--bands", "1"};
         QTest::newRow("process without step") << QStringList{"process", in, "-o", path("out.las")};
         QTest::newRow("process without target") << QStringList{"process", in, "--step", "normals"};
         QTest::newRow("sample without points") << QStringList{"sample", path("out.las")};
