@@ -14,6 +14,18 @@ std::string shownName(const std::filesystem::path& file)
     return name;
 }
 
+namespace
+{
+
+/// "It ends early (at byte 77)."
+std::string withPlace(std::string sentence, const std::string& place)
+{
+    if (sentence.ends_with('.')) sentence.pop_back();
+    return sentence + " (" + place + ").";
+}
+
+}  // namespace
+
 Error::Error(const std::string& sentence) : std::runtime_error(sentence) {}
 
 Error::Error(const std::filesystem::path& file, const std::string& sentence)
@@ -22,7 +34,7 @@ Error::Error(const std::filesystem::path& file, const std::string& sentence)
 }
 
 Error::Error(const std::filesystem::path& file, const std::string& sentence, std::uint64_t byteOffset)
-    : std::runtime_error(shownName(file) + ": " + sentence + " (at byte " + std::to_string(byteOffset) + ")"),
+    : std::runtime_error(shownName(file) + ": " + withPlace(sentence, "at byte " + std::to_string(byteOffset))),
       m_file(file),
       m_byteOffset(byteOffset)
 {

@@ -60,6 +60,7 @@ void Document::setLoaded(const las::ReadResult& result)
 {
     m_state = State::Ready;
     for (const std::string& warning : result.warnings) m_losses << toQString(warning);  // of damaged points
+    for (const PointRange& range : result.missing) m_missingPoints += range.size();
     m_recovered = m_recovered || !result.missing.empty();
     m_rawBounds = result.bounds;
     m_bounds = m_data->cloud->coordinates().toWorld(result.bounds);

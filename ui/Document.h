@@ -66,6 +66,8 @@ public:
     PointIndex points() const noexcept { return m_data->cloud->size(); }
     /// Something of the file is missing or damaged: it may not be overwritten.
     bool recovered() const noexcept { return m_recovered; }
+    /// Points whose values could not be read and are 0.
+    PointIndex missingPoints() const noexcept { return m_missingPoints; }
     bool modified() const;
     /// What is missing or damaged, one sentence each.
     const QStringList& losses() const noexcept { return m_losses; }
@@ -115,6 +117,7 @@ private:
     QString m_path;
     State m_state = State::Loading;
     bool m_recovered = false;
+    PointIndex m_missingPoints = 0;
     QStringList m_losses;
     QStringList m_warnings;
     WorldBounds m_bounds;

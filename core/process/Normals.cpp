@@ -77,7 +77,7 @@ std::vector<Attribute> makeAttributes(const PointCloud& cloud)
 
 std::string NormalsStep::help() const
 {
-    return "Fits a plane to the neighbours of each point (PCL, least squares) and keeps its normal, turned upward, "
+    return "Fits a plane to the neighbors of each point (PCL, least squares) and keeps its normal, turned upward, "
            "as NormalX, NormalY, NormalZ. Points without a plane get (0, 0, 0).";
 }
 
@@ -85,7 +85,7 @@ std::vector<StepParameter> NormalsStep::parameters() const
 {
     std::vector<StepParameter> p(2);
     p[0].key = "k";
-    p[0].label = "Neighbours";
+    p[0].label = "Neighbors";
     p[0].help = "How many nearest points the plane is fitted to, the point itself among them.";
     p[0].type = StepParameter::Type::Integer;
     p[0].preset = "16";

@@ -49,7 +49,7 @@ Sums sumUp(const std::vector<float>& distances, const Progress& progress)
 
 std::string OutliersStep::help() const
 {
-    return "Classifies points whose mean distance to their neighbours is unusually large (PCL's statistical "
+    return "Classifies points whose mean distance to their neighbors is unusually large (PCL's statistical "
            "outlier "
            "removal, Rusu et al. 2008).";
 }
@@ -59,7 +59,7 @@ std::vector<StepParameter> OutliersStep::parameters() const
     using Type = StepParameter::Type;
     std::vector<StepParameter> p(3);
     p[0].key = "k";
-    p[0].label = "Neighbours";
+    p[0].label = "Neighbors";
     p[0].help = "How many nearest points the mean distance is taken of, not counting the point itself.";
     p[0].type = Type::Integer;
     p[0].preset = "8";

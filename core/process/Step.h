@@ -18,7 +18,7 @@ class Progress;
 struct StepParameter {
     enum class Type { Integer, Real, AttributeName, ClassCode };
     std::string key;          ///< "k"
-    std::string label;        ///< "Neighbours"
+    std::string label;        ///< "Neighbors"
     std::string help;         ///< one line
     Type type = Type::Real;
     std::string preset;       ///< default value as text; empty: must be given, or means "not used" if optional

@@ -19,11 +19,10 @@ struct Outcome {
     QString err;
 
     QJsonDocument json() const { return QJsonDocument::fromJson(out); }
-    /// stderr is one line that the program wrote: a sentence, at most with a place in brackets behind it.
+    /// stderr is one line that the program wrote: a sentence.
     bool oneSentence() const
     {
-        return err.startsWith("punctum: ") && err.count('\n') == 1 &&
-               (err.endsWith(".\n") || err.endsWith("?\n") || err.endsWith(")\n"));
+        return err.startsWith("punctum: ") && err.count('\n') == 1 && (err.endsWith(".\n") || err.endsWith("?\n"));
     }
     QByteArray said() const { return "exit " + QByteArray::number(exitCode) + ": " + err.toUtf8(); }
 };

@@ -128,7 +128,7 @@ void TaskTest::jobFails()
     QVERIFY(end.state == JobState::Failed);
     QCOMPARE(QString::fromStdString(end.error), QString("The disk is full."));
     end = runToEnd(jobs, [](Progress&) { throw Error("/x/a.laz", "It ends early.", 77); });
-    QCOMPARE(QString::fromStdString(end.error), QString("a.laz: It ends early. (at byte 77)"));
+    QCOMPARE(QString::fromStdString(end.error), QString("a.laz: It ends early (at byte 77)."));
     end = runToEnd(jobs, [](Progress&) { throw std::bad_alloc(); });
     QVERIFY(end.state == JobState::Failed);
     QCOMPARE(QString::fromStdString(end.error), QString("There is not enough memory for this."));
