@@ -22,6 +22,7 @@ namespace
 struct WindowRequest {
     QStringList files;
     bool platformGiven = false;
+    ui::WindowOptions options;
     std::string wrong;  ///< a sentence when the words make no sense
 };
 
@@ -51,6 +52,11 @@ WindowRequest understand(int argc, char** argv)
             request.files << QFile::decodeName(argv[k]);
         } else if (word == "--") {
             onlyFiles = true;
+        } else if (word == "--backend") {
+            const std::string name = k + 1 < argc ? argv[++k] : "";
+            request.options.backend = render::backendFromName(name);
+            if (!request.options.backend)
+                request.wrong = "There is no backend \"" + name + "\"; there are cpu, gl-compute and gl-points.";
         } else if (isQtOption(word)) {
             request.platformGiven |= word.ends_with("platform");
             ++k;
@@ -99,7 +105,7 @@ int runWindowed(int argc, char** argv)
     const QtMessageHandler handler = qInstallMessageHandler(sayInsteadOfQt);
     QApplication application(argc, argv);
     qInstallMessageHandler(handler);
-    return ui::runWindow(application, request.files);
+    return ui::runWindow(application, request.files, request.options);
 }
 
 }  // namespace punctum::app

@@ -25,6 +25,14 @@
 namespace punctum::ui
 {
 
+namespace
+{
+
+/// Stands for no kind among the values of BackendKind.
+constexpr int kFastestBackend = -1;
+
+}  // namespace
+
 MainMenu::MainMenu(MainWindow& window) : QObject(&window), m_window(window)
 {
     makeFile();
@@ -166,11 +174,14 @@ void MainMenu::makeView()
             [&settings](const QAction* a) { settings.setBackground(ViewSettings::Background(a->data().toInt())); });
     QMenu* drawing = menu->addMenu(tr("&Draw with"));
     m_backends = new QActionGroup(this);
+    choice(drawing, m_backends, tr("What Is &Fastest Here"), kFastestBackend);
     choice(drawing, m_backends, tr("&CPU"), int(render::BackendKind::Cpu));
     choice(drawing, m_backends, tr("OpenGL Com&pute"), int(render::BackendKind::GlCompute));
     choice(drawing, m_backends, tr("&OpenGL Points"), int(render::BackendKind::GlPoints));
-    connect(m_backends, &QActionGroup::triggered, this,
-            [this](const QAction* a) { emit backendChosen(render::BackendKind(a->data().toInt())); });
+    connect(m_backends, &QActionGroup::triggered, this, [this](const QAction* a) {
+        const int data = a->data().toInt();
+        emit backendChosen(data == kFastestBackend ? std::nullopt : std::optional(render::BackendKind(data)));
+    });
     menu->addSeparator();
 
     QMenu* panels = menu->addMenu(tr("Pa&nels"));
@@ -305,9 +316,9 @@ void checkBy(const QActionGroup& group, int value)
 }
 }  // namespace
 
-void MainMenu::setBackend(render::BackendKind kind)
+void MainMenu::setBackend(std::optional<render::BackendKind> kind)
 {
-    checkBy(*m_backends, int(kind));
+    checkBy(*m_backends, kind ? int(*kind) : kFastestBackend);
 }
 
 void MainMenu::setAppearance(Appearance appearance)

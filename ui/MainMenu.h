@@ -34,7 +34,8 @@ public:
     void update(const Document* document);
     void setRecentFiles(const QStringList& paths);
     void setAttributes(const Document* document, const QString& shown);
-    void setBackend(render::BackendKind kind);
+    /// None: the fastest.
+    void setBackend(std::optional<render::BackendKind> kind);
     void setAppearance(Appearance appearance);
     /// Reads the settings that other parts may have changed.
     void takeViewSettings(const ViewSettings& settings);
@@ -56,7 +57,7 @@ public:
     QAction* fullScreen = nullptr;
 
 signals:
-    void backendChosen(punctum::render::BackendKind kind);
+    void backendChosen(std::optional<punctum::render::BackendKind> kind);
     void appearanceChosen(punctum::ui::Appearance appearance);
     void recentChosen(const QString& path);
     void recentCleared();

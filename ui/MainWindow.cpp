@@ -83,10 +83,9 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
         punctum::ui::askQuestion(this, question, reason, yes, std::move(answer));
     };
 
-    const render::BackendKind backend =
-        options.backend.value_or(m_settings->backend().value_or(render::BackendKind::Cpu));
+    const auto backend = options.backend ? options.backend : m_settings->backend();
     m_view = new ViewSettings(this);
-    m_renderer = new ViewRenderer(backend, this);
+    m_renderer = new ViewRenderer(backend, m_settings->fastestBackend(), this);
     m_viewport =
         new Viewport(*m_renderer, *m_view,
                      options.view != ViewKind::Raster && openGlWidgetsWork(options.view == ViewKind::OpenGl));
@@ -106,6 +105,7 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     m_settings->restore(*this, *m_view);
     m_menu->setRecentFiles(m_settings->recentFiles());
     m_menu->setAppearance(m_settings->appearance());
+    m_menu->setBackend(backend);
     m_viewport->setDocument(nullptr, 0);
     m_viewport->setFocus();
     updateTitle();
@@ -190,13 +190,16 @@ void MainWindow::connectParts()
     connect(m_renderer, &ViewRenderer::failed, this,
             [this](const QString& text) { m_viewport->messages().add(MessageKind::Warning, text); });
     connect(m_renderer, &ViewRenderer::backendChanged, this,
-            [this](render::BackendKind kind, const QString& description) {
-                m_menu->setBackend(kind);
+            [this](render::BackendKind, const QString& description) {
                 m_backend->setText(description);
                 m_backend->setToolTip(tr("What draws the points"));
-                m_settings->setBackend(kind);
             });
-    connect(m_menu, &MainMenu::backendChosen, m_renderer, &ViewRenderer::setBackend);
+    connect(m_renderer, &ViewRenderer::backendsMeasured, this,
+            [this](const FastestBackend& fastest) { m_settings->setFastestBackend(fastest); });
+    connect(m_menu, &MainMenu::backendChosen, this, [this](std::optional<render::BackendKind> kind) {
+        m_renderer->setBackend(kind);
+        m_settings->setBackend(kind);
+    });
     connect(m_menu, &MainMenu::appearanceChosen, this, &MainWindow::setAppearance);
     connect(m_menu, &MainMenu::recentChosen, this, [this](const QString& path) { openFiles({path}); });
     connect(m_menu, &MainMenu::recentCleared, this, [this] {

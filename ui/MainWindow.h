@@ -44,7 +44,7 @@ enum class ViewKind {
 /// How the window is to start.
 struct WindowOptions {
     QString settingsFile;  ///< an .ini file to keep settings in; empty: the user's own settings
-    std::optional<render::BackendKind> backend;  ///< none: as the settings say, else CPU
+    std::optional<render::BackendKind> backend;  ///< none: as the settings say, else the fastest
     ViewKind view = ViewKind::Automatic;
 };
 

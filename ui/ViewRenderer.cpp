@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "render/gl/EglContext.h"
+#include "render/raster/BackendChoice.h"
 #include "render/store/PointStore.h"
 #include "ui/Text.h"
 
@@ -21,6 +22,8 @@ namespace
 constexpr double kFrameBudget = 0.0166;  // s: sixty pictures a second
 /// Between two frames of a still camera while points arrive: most of the processor belongs to loading then.
 constexpr std::chrono::milliseconds kLoadingPause(60);
+/// Nobody waits for a picture: time to measure what draws fastest.
+constexpr std::chrono::seconds kQuiet(3);
 
 QString pickedValue(const Attribute& attribute, PointIndex index)
 {
@@ -71,6 +74,9 @@ struct ViewRenderer::Thread {
     render::EglContext context;  // before renderer: its backend needs the context to the end; empty on the CPU
     std::unique_ptr<render::ProgressiveRenderer> renderer;
     render::BackendKind kind = render::BackendKind::Cpu;
+    FastestBackend fastest;
+    bool automatic = false;     ///< the fastest backend is to draw
+    bool measured = false;      ///< `fastest` is known to be of this machine
     std::vector<Cloud> clouds;  ///< in the renderer's order
     std::vector<Capture> captures;
     bool dirty = false;   ///< a command changed what is to be seen
@@ -87,8 +93,10 @@ struct ViewRenderer::Thread {
     }
 };
 
-ViewRenderer::ViewRenderer(render::BackendKind backend, QObject* parent)
-    : QObject(parent), m_pool(std::make_shared<Pool>()), m_thread([this, backend] { run(backend); })
+ViewRenderer::ViewRenderer(std::optional<render::BackendKind> backend, FastestBackend fastest, QObject* parent)
+    : QObject(parent),
+      m_pool(std::make_shared<Pool>()),
+      m_thread([this, backend, fastest = std::move(fastest)] { run(backend, fastest); })
 {
 }
 
@@ -140,10 +148,14 @@ void ViewRenderer::setDisplay(const render::DisplaySettings& display)
     m_wake.notify_one();
 }
 
-void ViewRenderer::setBackend(render::BackendKind kind)
+void ViewRenderer::setBackend(std::optional<render::BackendKind> kind)
 {
     post([this, kind](Thread& thread) {
-        if (kind != thread.kind) useBackend(thread, kind);
+        thread.automatic = !kind;
+        if (!kind)
+            useFastest(thread);
+        else if (*kind != thread.kind)
+            useBackend(thread, *kind);
         thread.dirty = true;
     });
 }
@@ -236,28 +248,27 @@ void ViewRenderer::announceFailure(const QString& sentence)
 
 void ViewRenderer::useBackend(Thread& thread, render::BackendKind kind)
 {
-    using render::BackendKind;
-    const auto adopt = [&](std::unique_ptr<render::RasterBackend> backend) {
-        if (thread.renderer)
-            thread.renderer->setBackend(std::move(backend));
-        else
-            thread.renderer = std::make_unique<render::ProgressiveRenderer>(std::move(backend));
-    };
-    if (render::needsGl(kind)) {
-        try {
-            render::EglContext context = render::EglContext::create();
-            adopt(render::makeBackend(kind));
-            thread.context = std::move(context);
-        } catch (const std::exception& e) {
-            announceFailure(tr("OpenGL drawing is not possible here, so the CPU draws: %1")
-                                .arg(QString::fromLocal8Bit(e.what())));
-            kind = BackendKind::Cpu;
-        }
+    render::EglContext context;
+    std::unique_ptr<render::RasterBackend> backend;
+    try {
+        if (render::needsGl(kind)) context = render::EglContext::create();
+        backend = render::makeBackend(kind);
+    } catch (const std::exception& e) {
+        announceFailure(
+            tr("OpenGL drawing is not possible here, so the CPU draws: %1").arg(QString::fromLocal8Bit(e.what())));
+        context = render::EglContext();
+        kind = render::BackendKind::Cpu;
+        backend = render::makeBackend(kind);
     }
-    if (kind == BackendKind::Cpu) {
-        adopt(render::makeBackend(kind));
-        thread.context = render::EglContext();
+    if (thread.renderer) {
+        // What the old backend has on the device goes while its own context is current.
+        if (thread.context) thread.context.makeCurrent();
+        thread.renderer->setBackend(std::move(backend));
+        if (context) context.makeCurrent();
+    } else {
+        thread.renderer = std::make_unique<render::ProgressiveRenderer>(std::move(backend));
     }
+    std::swap(thread.context, context);
     thread.kind = kind;
     thread.broken = false;
     QMetaObject::invokeMethod(
@@ -268,10 +279,35 @@ void ViewRenderer::useBackend(Thread& thread, render::BackendKind kind)
         Qt::QueuedConnection);
 }
 
-void ViewRenderer::run(render::BackendKind backend)
+void ViewRenderer::useFastest(Thread& thread)
+{
+    const render::BackendKind kind = thread.fastest.device ? thread.fastest.kind : render::BackendKind::Cpu;
+    if (!thread.renderer || thread.kind != kind) useBackend(thread, kind);
+}
+
+void ViewRenderer::measureBackends(Thread& thread)
+{
+    thread.measured = true;
+    const render::BackendMeasurement measurement = render::measureBackends(thread.fastest.device);
+    if (thread.context) thread.context.makeCurrent();
+    if (measurement.device == thread.fastest.device) return;
+    thread.fastest = {measurement.fastest, measurement.device};
+    QMetaObject::invokeMethod(
+        this, [this, fastest = thread.fastest] { emit backendsMeasured(fastest); }, Qt::QueuedConnection);
+    if (!thread.automatic || thread.kind == thread.fastest.kind) return;
+    useBackend(thread, thread.fastest.kind);
+    thread.dirty = true;
+}
+
+void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBackend fastest)
 {
     Thread thread;
-    useBackend(thread, backend);
+    thread.fastest = std::move(fastest);
+    thread.automatic = !backend;
+    if (backend)
+        useBackend(thread, *backend);
+    else
+        useFastest(thread);
     bool idle = true;
     bool calm = false;
     for (;;) {
@@ -279,7 +315,14 @@ void ViewRenderer::run(render::BackendKind backend)
         {
             std::unique_lock lock(m_mutex);
             const auto wanted = [this] { return m_pending.any(); };
-            if (idle)
+            if (idle && thread.automatic && !thread.measured) {
+                if (!m_wake.wait_for(lock, kQuiet, wanted)) {
+                    lock.unlock();
+                    measureBackends(thread);
+                    idle = !thread.dirty;
+                    continue;
+                }
+            } else if (idle)
                 m_wake.wait(lock, wanted);
             else if (calm)
                 m_wake.wait_for(lock, kLoadingPause, wanted);

@@ -11,12 +11,19 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 namespace punctum::ui
 {
+
+/// Which backend was the fastest when they were measured.
+struct FastestBackend {
+    render::BackendKind kind = render::BackendKind::Cpu;
+    std::optional<std::string> device;  ///< render::BackendMeasurement::device; none: never measured
+};
 
 /// A finished picture, and what it shows. Immutable once published.
 struct Frame {
@@ -48,13 +55,16 @@ class ViewRenderer final : public QObject
 {
     Q_OBJECT
 public:
-    explicit ViewRenderer(render::BackendKind backend = render::BackendKind::Cpu, QObject* parent = nullptr);
+    /// `backend`: none for the fastest. That is `fastest`, if the device is still the same; otherwise the processor
+    /// draws until nothing has happened for some seconds, and then all backends are measured.
+    ViewRenderer(std::optional<render::BackendKind> backend, FastestBackend fastest, QObject* parent = nullptr);
     ~ViewRenderer() override;
 
     void setSize(int widthPx, int heightPx);
     void setCamera(const render::Camera& camera);
     void setDisplay(const render::DisplaySettings& display);
-    void setBackend(render::BackendKind kind);
+    /// None: the fastest.
+    void setBackend(std::optional<render::BackendKind> kind);
 
     void addCloud(std::shared_ptr<render::PointStore> store);
     void loadingEnded(std::shared_ptr<const PointCloud> cloud, const RawBounds& bounds);
@@ -77,6 +87,7 @@ signals:
     /// There is a newer frame() than at the last signal.
     void frameReady();
     void backendChanged(punctum::render::BackendKind kind, const QString& description);
+    void backendsMeasured(const punctum::ui::FastestBackend& fastest);
     /// A sentence for the user: the view goes on with another backend, or stands still.
     void failed(const QString& sentence);
 
@@ -94,8 +105,10 @@ private:
     };
 
     void post(Command command);
-    void run(render::BackendKind backend);
+    void run(std::optional<render::BackendKind> backend, FastestBackend fastest);
     void useBackend(Thread& thread, render::BackendKind kind);
+    void useFastest(Thread& thread);
+    void measureBackends(Thread& thread);
     void renderNext(Thread& thread);
     void serveCaptures(Thread& thread);
     void publish(Thread& thread, const render::FrameReport& report);

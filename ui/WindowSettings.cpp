@@ -25,7 +25,10 @@ constexpr int kLayoutVersion = 1;  // raise when docks come or go
 const QString kGeometry = QStringLiteral("window/geometry");
 const QString kLayout = QStringLiteral("window/state");
 const QString kAppearance = QStringLiteral("window/appearance");
-const QString kBackend = QStringLiteral("view/backend");
+const QString kBackend = QStringLiteral("view/drawWith");
+const QString kFastest = QStringLiteral("view/fastest");
+const QString kFastestDevice = QStringLiteral("view/fastestOn");
+const QString kAutomatic = QStringLiteral("auto");
 const QString kPointSize = QStringLiteral("view/pointSize");
 const QString kSamples = QStringLiteral("view/samples");
 const QString kEyeDome = QStringLiteral("view/eyeDome");
@@ -103,9 +106,22 @@ std::optional<render::BackendKind> WindowSettings::backend() const
     return render::backendFromName(m_values.value(kBackend).toString().toStdString());
 }
 
-void WindowSettings::setBackend(render::BackendKind kind)
+void WindowSettings::setBackend(std::optional<render::BackendKind> kind)
 {
-    set(kBackend, toQString(render::nameOf(kind)));
+    set(kBackend, kind ? toQString(render::nameOf(*kind)) : kAutomatic);
+}
+
+FastestBackend WindowSettings::fastestBackend() const
+{
+    const auto kind = render::backendFromName(m_values.value(kFastest).toString().toStdString());
+    if (!kind) return {};
+    return {*kind, m_values.value(kFastestDevice).toString().toStdString()};
+}
+
+void WindowSettings::setFastestBackend(const FastestBackend& fastest)
+{
+    set(kFastest, toQString(render::nameOf(fastest.kind)));
+    set(kFastestDevice, toQString(fastest.device.value_or("")));
 }
 
 QStringList WindowSettings::recentFiles() const

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "render/raster/Backend.h"
+#include "ui/ViewRenderer.h"
 #include "ui/style/Theme.h"
 
 #include <QString>
@@ -34,8 +34,12 @@ public:
 
     Appearance appearance() const;
     void setAppearance(Appearance appearance);
+    /// What the user chose to draw with; none: the fastest.
     std::optional<render::BackendKind> backend() const;
-    void setBackend(render::BackendKind kind);
+    void setBackend(std::optional<render::BackendKind> kind);
+    /// Which was the fastest when it was last measured, and on which device.
+    FastestBackend fastestBackend() const;
+    void setFastestBackend(const FastestBackend& fastest);
 
     /// Newest first.
     QStringList recentFiles() const;

@@ -277,6 +277,7 @@ GlInfo requireGl43()
     info.major = version / 10;
     info.minor = version % 10;
     if (const GLubyte* text = glGetString(GL_RENDERER)) info.renderer = reinterpret_cast<const char*>(text);
+    if (const GLubyte* text = glGetString(GL_VERSION)) info.driver = reinterpret_cast<const char*>(text);
     GLint profile = 0;
     if (epoxy_is_desktop_gl() && version >= 32) glGetIntegerv(GL_CONTEXT_PROFILE_MASK, &profile);
     if (version < 43 || !(profile & GL_CONTEXT_CORE_PROFILE_BIT))

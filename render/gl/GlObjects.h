@@ -180,6 +180,7 @@ private:
 struct GlInfo {
     int major = 0, minor = 0;
     std::string renderer;  ///< "llvmpipe (LLVM 15.0.6, 256 bits)"
+    std::string driver;    ///< "4.5 (Core Profile) Mesa 22.3.6"
     bool clipControl = false;
     int maxTextureSize = 0;
     int maxIntegerSamples = 1;
