@@ -24,12 +24,6 @@ class LasWriterTest : public QObject
     Q_OBJECT
 
 private slots:
-    void noEditKeepsEveryByteOfLas_data();
-    void noEditKeepsEveryByteOfLas();
-    void lazAndBackKeepsEverything_data();
-    void lazAndBackKeepsEverything();
-    void everyFormatAndExtraBytes_data();
-    void everyFormatAndExtraBytes();
     void chunksAreThoseOfSerialLaszip_data();
     void chunksAreThoseOfSerialLaszip();
     void emptyClouds();
@@ -97,13 +91,6 @@ private:
         if (!result.missing.empty()) throw std::runtime_error("points are missing");
         return all;
     }
-    void sharedRows() const
-    {
-        QTest::addColumn<QString>("file");
-        for (const auto& f : lasfiles::sharedFiles(PUNCTUM_TEST_DATA))
-            QTest::newRow(f.filename().c_str()) << QString::fromStdString(f.string());
-        if (lasfiles::sharedFiles(PUNCTUM_TEST_DATA).empty()) QTest::newRow("none") << QString();
-    }
 
     QTemporaryDir m_dir;
 };
@@ -118,109 +105,6 @@ bool hasNote(const las::WriteReport& report, const std::string& part)
 }
 
 }  // namespace
-
-void LasWriterTest::noEditKeepsEveryByteOfLas_data()
-{
-    sharedRows();
-}
-
-void LasWriterTest::noEditKeepsEveryByteOfLas()
-{
-    QFETCH(QString, file);
-    if (file.isEmpty()) QSKIP("the shared test data is not here");
-    const fs::path path = file.toStdString();
-    const bool laz = las::isCompressedName(path);
-    const auto cloud = load(path);
-    const fs::path out = temp(laz ? "same.laz" : "same.las");
-    const auto report = save(*cloud, out);
-    QCOMPARE(report.points, cloud->size());
-    QCOMPARE(report.bytes, fs::file_size(out));
-    if (!laz) {
-        QVERIFY(lasfiles::readFile(out) == lasfiles::readFile(path));
-        QVERIFY(report.notes.empty());
-        return;
-    }
-    const auto sourceBefore = las::Reader::open(path)->source(), sourceAfter = las::Reader::open(out)->source();
-    const las::SourceFile &before = *sourceBefore, &after = *sourceAfter;
-    const bool copc = before.findVlr("copc", 1) != nullptr;
-    QVERIFY(records(out) == records(path));
-    QVERIFY(before.tail == after.tail);
-    QVERIFY(before.gapBeforePoints == after.gapBeforePoints);
-    if (copc) return;
-    QCOMPARE(after.vlrs.size(), before.vlrs.size());
-    QCOMPARE(after.evlrs.size(), before.evlrs.size());
-    for (std::size_t k = 0; k < before.vlrs.size(); ++k) {
-        QVERIFY(after.vlrs[k].userId == before.vlrs[k].userId);
-        QVERIFY(after.vlrs[k].description == before.vlrs[k].description);
-        if (after.vlrs[k].user() != "laszip encoded") QVERIFY(after.vlrs[k].data == before.vlrs[k].data);
-    }
-    for (std::size_t k = 0; k < before.evlrs.size(); ++k) QVERIFY(after.evlrs[k].data == before.evlrs[k].data);
-    // Positions may move with the size of the laszip record and the chunks; all else stays.
-    las::Header a = before.header, b = after.header;
-    for (las::Header* h : {&a, &b}) {
-        h->set<std::uint32_t>(96, 0);
-        h->set<std::uint64_t>(227, 0);
-        h->set<std::uint64_t>(235, 0);
-    }
-    QVERIFY(a.bytes == b.bytes);
-}
-
-void LasWriterTest::lazAndBackKeepsEverything_data()
-{
-    sharedRows();
-}
-
-void LasWriterTest::lazAndBackKeepsEverything()
-{
-    QFETCH(QString, file);
-    if (file.isEmpty()) QSKIP("the shared test data is not here");
-    const fs::path path = file.toStdString();
-    const auto cloud = load(path);
-    if (cloud->size() > 400000) return;  // others of its kind are small, and quicker
-    const fs::path las1 = temp("1.las"), laz = temp("2.laz"), las2 = temp("3.las");
-    save(*cloud, las1);
-    save(*load(las1), laz);
-    save(*load(laz), las2);
-    QVERIFY(lasfiles::readFile(las1) == lasfiles::readFile(las2));
-    const auto& layout = cloud->source()->layout;
-    QVERIFY(lasfiles::recordsByLaszip(laz, layout.format, layout.length, cloud->size()) == records(path));
-    QVERIFY(lasfiles::recordsByLaszip(las2, layout.format, layout.length, cloud->size()) == records(path));
-    if (!las::isCompressedName(path)) QVERIFY(lasfiles::readFile(las2) == lasfiles::readFile(path));
-}
-
-void LasWriterTest::everyFormatAndExtraBytes_data()
-{
-    QTest::addColumn<int>("format");
-    QTest::addColumn<int>("extra");
-    for (int format = 0; format <= 10; ++format)
-        for (const int extra : {0, 1, 7, 33})
-            QTest::addRow("format %d, %d extra bytes", format, extra) << format << extra;
-}
-
-void LasWriterTest::everyFormatAndExtraBytes()
-{
-    QFETCH(int, format);
-    QFETCH(int, extra);
-    const auto f = std::uint8_t(format);
-    const auto length = std::uint16_t(lasfiles::recordLength(f) + extra);
-    const std::size_t count = 5000;
-    const Bytes points = lasfiles::randomRecords(f, length, count, std::uint32_t(format * 100 + extra), extra == 7);
-    const fs::path in =
-        make("in.las", lasfiles::file(lasfiles::header(lasfiles::minorFor(f), f, length, count), {}, points));
-
-    const auto cloud = load(in);
-    const fs::path las = temp("out.las"), laz = temp("out.laz");
-    save(*cloud, las);
-    save(*cloud, laz);
-    QVERIFY(lasfiles::readFile(las) == lasfiles::readFile(in));
-    QVERIFY(lasfiles::recordsByLaszip(las, f, length, count) == points);
-    QVERIFY(lasfiles::recordsByLaszip(laz, f, length, count) == points);
-    const auto back = load(laz);
-    for (std::size_t k = 0; k < cloud->columns().size(); ++k) {
-        const auto &a = *cloud->columns()[k], &b = *back->columns()[k];
-        QVERIFY(std::memcmp(a.data(), b.data(), a.elementBytes() * count) == 0);
-    }
-}
 
 void LasWriterTest::chunksAreThoseOfSerialLaszip_data()
 {
