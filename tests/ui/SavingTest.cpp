@@ -106,7 +106,8 @@ private slots:
         QVERIFY(test.window->menu().save->toolTip().contains(expected));
 
         // after: in a message, with nothing in the way
-        QApplication::setActiveWindow(test.window.get());
+        test.window->activateWindow();  // shortcuts want it, and there may be no window manager to see to it
+        QVERIFY(QTest::qWaitForWindowActive(test.window.get()));
         QTest::keyClick(test.window.get(), Qt::Key_S, Qt::ControlModifier);
         QVERIFY(waitFor([&] { return lastSentence(test).startsWith(QStringLiteral("Saved")); }));
         QVERIFY(!QApplication::activeModalWidget());
