@@ -7,6 +7,7 @@
 
 #include <bit>
 #include <cmath>
+#include <set>
 #include <vector>
 
 using namespace punctum;
@@ -96,7 +97,20 @@ void CpuKernelsTest::splatsAreExact()
                                 expected[at] = std::min(expected[at], key);
                         }
             }
-            kernel.splat(target, block, count);
+            std::vector<std::uint32_t> hidden(count + 1);
+            const std::vector<std::uint64_t> before = cells;
+            hidden.resize(kernel.splat(target, block, count, b % 2 == 0 ? hidden.data() : nullptr));
+            if (!pixels || b % 2 != 0) {
+                QVERIFY(hidden.empty());
+                continue;
+            }
+            // Every point that was there or came is either visible or named as hidden, and none is both.
+            std::multiset<std::uint32_t> all(block.id, block.id + count), found(hidden.begin(), hidden.end());
+            for (std::size_t k = 0; k + 1 < cells.size(); ++k) {
+                if (before[k] != ~std::uint64_t(0)) all.insert(std::uint32_t(before[k]));
+                if (cells[k] != ~std::uint64_t(0)) found.insert(std::uint32_t(cells[k]));
+            }
+            QVERIFY(all == found);
         }
         std::size_t different = 0;
         for (std::size_t k = 0; k < cells.size(); ++k) different += cells[k] != expected[k];

@@ -87,12 +87,16 @@ std::size_t keepShown(const Drawing& d, ProjectedBlock& block, std::size_t count
     return kept;
 }
 
-void splat(const Drawing& d, ProjectedBlock& block, std::size_t count)
+/// `hidden`, when not null: gets the ids that SplatKernel finds hidden.
+void splat(const Drawing& d, ProjectedBlock& block, std::size_t count, std::vector<PointId>* hidden = nullptr)
 {
-    d.kernel.splat(d.target, block, keepShown(d, block, count));
+    PointId ids[kProjectBlock + 1];
+    const std::size_t n =
+        d.kernel.splat(d.target, block, keepShown(d, block, count), hidden != nullptr ? ids : nullptr);
+    if (hidden != nullptr) hidden->insert(hidden->end(), ids, ids + n);
 }
 
-void drawIds(const Drawing& d, std::span<const PointId> ids)
+void drawIds(const Drawing& d, std::span<const PointId> ids, std::vector<PointId>* hidden)
 {
     ProjectedBlock block;
     LocalPosition gathered[kProjectBlock + 8];
@@ -105,7 +109,7 @@ void drawIds(const Drawing& d, std::span<const PointId> ids)
         }
         const std::size_t kept = d.kernel.project(&gathered[0].x, count, 0, d.arguments, block);
         for (std::size_t k = 0; k < kept; ++k) block.id[k] = ids[at + block.id[k]];
-        splat(d, block, kept);
+        splat(d, block, kept, hidden);
     }
 }
 
@@ -142,6 +146,7 @@ std::span<const std::uint64_t> CpuBackend::cells() const noexcept
 
 void CpuBackend::clear()
 {
+    m_bands.clear();  // ids may have other meanings from now on
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells().size(), std::size_t(1) << 15),
                       [&](const auto& r) { std::fill_n(cellSpan().data() + r.begin(), r.size(), kEmpty); });
 }
@@ -166,10 +171,14 @@ void CpuBackend::reproject(const FrameScene& scene)
 {
     // One pass takes the ids out and leaves the buffer empty; ids of a layer stay together.
     const std::size_t layers = scene.layers.size(), bands = (cells().size() + kBandCells - 1) / kBandCells;
-    if (m_bands.size() < bands * layers) m_bands.resize(bands * layers);
+    if (m_bands.size() != bands * layers) m_bands.assign(bands * layers, {});
     tbb::parallel_for(std::size_t(0), bands, [&](std::size_t band) {
-        std::vector<PointId>* const lists = m_bands.data() + band * layers;
-        for (std::size_t layer = 0; layer < layers; ++layer) lists[layer].clear();
+        Band* const lists = m_bands.data() + band * layers;
+        for (std::size_t layer = 0; layer < layers; ++layer) {
+            lists[layer].visible.clear();
+            std::swap(lists[layer].hidden, lists[layer].again);
+            lists[layer].hidden.clear();
+        }
         LayerLookup lookup(scene);
         PointId last = kNoPoint;
         const auto part = cellSpan().subspan(band * kBandCells);
@@ -178,13 +187,16 @@ void CpuBackend::reproject(const FrameScene& scene)
             cell = kEmpty;
             if (id == last || id == kNoPoint || layers == 0) continue;
             last = id;
-            lists[lookup.layerOf(id)].push_back(id);
+            lists[lookup.layerOf(id)].visible.push_back(id);
         }
     });
     for (std::size_t layer = 0; layer < layers; ++layer) {
         const Drawing d = prepare(m_kernel, scene, layer, m_size, cellSpan().data());
-        tbb::parallel_for(std::size_t(0), bands,
-                          [&](std::size_t band) { drawIds(d, m_bands[band * layers + layer]); });
+        tbb::parallel_for(std::size_t(0), bands, [&](std::size_t band) {
+            Band& lists = m_bands[band * layers + layer];
+            drawIds(d, lists.visible, &lists.hidden);
+            drawIds(d, lists.again, nullptr);
+        });
     }
 }
 

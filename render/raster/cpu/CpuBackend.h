@@ -45,8 +45,17 @@ private:
 
     KernelChoice m_kernel;
     TargetSize m_size;
-    Buffer m_cells;                             ///< one more than cells(): see SplatTarget
-    std::vector<std::vector<PointId>> m_bands;  ///< of reproject(), kept so that memory is not asked for each frame
+    Buffer m_cells;  ///< one more than cells(): see SplatTarget
+    /// What reproject() draws of some rows' visible points, for one layer. Points that were visible and are hidden
+    /// by another one after a turn mostly come out again with the next: so they are drawn once more then. Measured
+    /// on a half turn in 120 frames over 20 M points, 3 M drawn a frame: coverage 0.959 instead of 0.948, which
+    /// would otherwise take 4 M.
+    struct Band {
+        std::vector<PointId> visible;
+        std::vector<PointId> hidden;  ///< of `visible`, by the last reproject()
+        std::vector<PointId> again;   ///< hidden by the one before
+    };
+    std::vector<Band> m_bands;  ///< kept, so that memory is not asked for each frame
 };
 
 }  // namespace punctum::render

@@ -48,9 +48,9 @@ std::size_t project(const std::int32_t* positions, std::size_t count, std::uint3
     return kept;
 }
 
-void splat(const SplatTarget& target, const ProjectedBlock& block, std::size_t count)
+std::size_t splat(const SplatTarget& target, const ProjectedBlock& block, std::size_t count, std::uint32_t* hidden)
 {
-    splatBlock(target, block, count);
+    return splatBlock(target, block, count, hidden);
 }
 
 }  // namespace

@@ -46,7 +46,11 @@ struct SplatTarget {
 
 /// Draws the first `count` points of a block: a square each, as RasterBackend defines it, by an atomic minimum of
 /// (depth, id) in each sample's cell. Any number of threads may draw into one target.
-using SplatKernel = void (*)(const SplatTarget&, const ProjectedBlock&, std::size_t count);
+///
+/// `hidden`, when not null and points are single pixels of one sample: gets the ids of those points, drawn now or
+/// before, that are hidden for the sake of another one, at most `count`; returns how many. Otherwise returns 0.
+using SplatKernel = std::size_t (*)(const SplatTarget&, const ProjectedBlock&, std::size_t count,
+                                    std::uint32_t* hidden);
 
 struct KernelChoice {
     ProjectKernel project;
@@ -60,6 +64,7 @@ KernelChoice chooseKernel() noexcept;
 
 std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, std::uint32_t firstId,
                         const ProjectArguments& arguments, ProjectedBlock& out);
-void splatAvx2(const SplatTarget& target, const ProjectedBlock& block, std::size_t count);
+std::size_t splatAvx2(const SplatTarget& target, const ProjectedBlock& block, std::size_t count,
+                      std::uint32_t* hidden);
 
 }  // namespace punctum::render

@@ -109,9 +109,10 @@ std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, std::u
     return kept;
 }
 
-void splatAvx2(const SplatTarget& target, const ProjectedBlock& block, std::size_t count)
+std::size_t splatAvx2(const SplatTarget& target, const ProjectedBlock& block, std::size_t count,
+                      std::uint32_t* hidden)
 {
-    splatBlock(target, block, count);
+    return splatBlock(target, block, count, hidden);
 }
 
 }  // namespace punctum::render
@@ -127,9 +128,10 @@ std::size_t projectAvx2(const std::int32_t* positions, std::size_t count, std::u
     return baselineKernel().project(positions, count, firstId, a, out);
 }
 
-void splatAvx2(const SplatTarget& target, const ProjectedBlock& block, std::size_t count)
+std::size_t splatAvx2(const SplatTarget& target, const ProjectedBlock& block, std::size_t count,
+                      std::uint32_t* hidden)
 {
-    baselineKernel().splat(target, block, count);
+    return baselineKernel().splat(target, block, count, hidden);
 }
 
 }  // namespace punctum::render

@@ -27,38 +27,53 @@ inline std::uint32_t highHalf(const std::uint64_t* cell)
 }
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
 
-inline void atomicMin(std::uint64_t* cell, std::uint64_t key)
+/// Returns the key that was there or came to be there: `key` itself, when it is not nearer.
+inline std::uint64_t atomicMin(std::uint64_t* cell, std::uint64_t key)
 {
     std::uint64_t seen = __atomic_load_n(cell, __ATOMIC_RELAXED);
     while (key < seen && !__atomic_compare_exchange_n(cell, &seen, key, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
     }
+    return key < seen ? seen : key;
 }
 
 /// Draws point k into cell at[k], for all k.
-inline void drawAt(std::uint64_t* cells, const std::uint32_t* at, const std::uint32_t* depth,
-                   const std::uint32_t* id, std::size_t count)
+template <bool kKeepHidden>
+inline std::size_t drawAt(std::uint64_t* cells, const std::uint32_t* at, const std::uint32_t* depth,
+                          const std::uint32_t* id, std::size_t count, std::uint32_t* hidden)
 {
     std::uint32_t nearer[kProjectBlock];
-    std::size_t n = 0;
+    std::size_t n = 0, h = 0;
     for (std::size_t k = 0; k < count; ++k) {
+        const bool maybe = depth[k] <= highHalf(cells + at[k]);
         nearer[n] = std::uint32_t(k);
-        n += depth[k] <= highHalf(cells + at[k]);
+        n += maybe;
+        if constexpr (kKeepHidden) {
+            hidden[h] = id[k];
+            h += !maybe;
+        }
     }
     for (std::size_t i = 0; i < n; ++i) {
         const std::uint32_t k = nearer[i];
-        atomicMin(cells + at[k], std::uint64_t(depth[k]) << 32 | id[k]);
+        const std::uint64_t farther = atomicMin(cells + at[k], std::uint64_t(depth[k]) << 32 | id[k]);
+        if constexpr (kKeepHidden) {
+            hidden[h] = std::uint32_t(farther);
+            h += farther != ~std::uint64_t(0);
+        }
     }
+    return h;
 }
 
 /// Squares of one pixel at one sample a pixel, by far the commonest: x and y lie inside the picture.
-inline void splatPixels(const SplatTarget& t, const ProjectedBlock& block, std::size_t count)
+inline std::size_t splatPixels(const SplatTarget& t, const ProjectedBlock& block, std::size_t count,
+                               std::uint32_t* hidden)
 {
     std::uint32_t at[kProjectBlock];
     for (std::size_t k = 0; k < count; ++k)
         at[k] = std::uint32_t(std::int32_t(block.y[k])) * std::uint32_t(t.width) +
                 std::uint32_t(std::int32_t(block.x[k]));
     for (std::size_t k = 0; k < count; ++k) __builtin_prefetch(t.cells + at[k]);
-    drawAt(t.cells, at, block.depth, block.id, count);
+    if (hidden != nullptr) return drawAt<true>(t.cells, at, block.depth, block.id, count, hidden);
+    return drawAt<false>(t.cells, at, block.depth, block.id, count, nullptr);
 }
 
 /// Rounds down.
@@ -107,19 +122,19 @@ inline void splatSquares(const SplatTarget& t, const ProjectedBlock& block, std:
                                             (std::uint32_t(px) < width) & (std::uint32_t(py) < height);
                         at[k] = covers ? (std::uint32_t(py) * width + std::uint32_t(px)) * samples + s : sink;
                     }
-                    drawAt(t.cells, at, block.depth + begin, block.id + begin, n);
+                    drawAt<false>(t.cells, at, block.depth + begin, block.id + begin, n, nullptr);
                 }
             }
         }
     }
 }
 
-inline void splatBlock(const SplatTarget& target, const ProjectedBlock& block, std::size_t count)
+inline std::size_t splatBlock(const SplatTarget& target, const ProjectedBlock& block, std::size_t count,
+                              std::uint32_t* hidden)
 {
-    if (target.samples == 1 && target.size == 16)
-        splatPixels(target, block, count);
-    else
-        splatSquares(target, block, count);
+    if (target.samples == 1 && target.size == 16) return splatPixels(target, block, count, hidden);
+    splatSquares(target, block, count);
+    return 0;
 }
 
 }  // namespace
