@@ -33,7 +33,7 @@ inline Bytes readFile(const std::filesystem::path& path)
     all << in.rdbuf();
     const std::string s = all.str();
     Bytes bytes(s.size());
-    std::memcpy(bytes.data(), s.data(), s.size());
+    if (!s.empty()) std::memcpy(bytes.data(), s.data(), s.size());
     return bytes;
 }
 
@@ -285,7 +285,7 @@ inline Bytes compressedByLaszip(std::uint8_t format, std::uint16_t length, const
     laszip_destroy(laszip);
     const std::string s = out.str();
     Bytes bytes(s.size());
-    std::memcpy(bytes.data(), s.data(), s.size());
+    if (!s.empty()) std::memcpy(bytes.data(), s.data(), s.size());
     return bytes;
 }
 
