@@ -24,10 +24,9 @@ constexpr std::size_t kZAt = 8, kIntensityAt = 12, kReturnsAt = 14, kFlagsAt = 1
 constexpr std::size_t kColorBytes = 6, kNirBytes = 2;
 constexpr unsigned kChannels = 4;
 constexpr unsigned kChannelShift = 4, kChannelBits = 3u << kChannelShift;  ///< of the flags
-constexpr unsigned kMixingUpTo = 3;  ///< last version of the items in which channels mix, see Channels
+constexpr unsigned kMixingUpTo = 3;  ///< last version of the items in which channels mix, see Turn and Channels
 
-/// Points of which all layers are decoded before the next ones: few enough for the L1 cache.
-constexpr std::size_t kBlock = 256;
+constexpr std::size_t kBlock = 256;  ///< points between two looks for damage
 
 /// Six contexts by number of returns and return number, which of the two is the smaller one does not matter.
 constexpr std::uint8_t returnContext(unsigned returns, unsigned number)
@@ -143,15 +142,14 @@ public:
         m_channels.start(channelOf(record), value);
     }
     const RangeDecoder& in() const { return m_in; }
-    /// Fills in its bytes of the records and all of `turns`.
-    void decode(std::span<Turn> turns, std::byte* record, std::size_t length)
+    /// The next point: fills in its bytes of the record.
+    Turn decode(std::byte* record)
     {
-        RangeDecoder in = m_in;
-        for (Turn& turn : turns) {
-            decode(in, turn, record);
-            record += length;
-        }
+        RangeDecoder in = m_in;  // a copy, which the processor has in registers
+        Turn turn;
+        decode(in, turn, record);
         m_in = in;
+        return turn;
     }
 
 private:
@@ -251,7 +249,7 @@ class Layer
 public:
     virtual ~Layer() = default;
     virtual void start(const std::byte* record, RangeDecoder in) = 0;
-    virtual void decode(std::span<const Turn> turns, std::byte* records) = 0;
+    virtual void decode(const Turn& turn, std::byte* record) = 0;
     const RangeDecoder& in() const { return m_in; }
 
 protected:
@@ -262,8 +260,8 @@ template <typename State>
 class FieldLayer final : public Layer
 {
 public:
-    FieldLayer(std::size_t at, std::size_t length, std::uint8_t Turn::*channel, bool mixing)
-        : m_at(at), m_length(length), m_channel(channel), m_channels(mixing)
+    FieldLayer(std::size_t at, std::uint8_t Turn::*channel, bool mixing)
+        : m_at(at), m_channel(channel), m_channels(mixing)
     {
     }
     void start(const std::byte* record, RangeDecoder in) override
@@ -271,21 +269,17 @@ public:
         m_in = in;
         m_channels.start(channelOf(record), State::load(record + m_at));
     }
-    void decode(std::span<const Turn> turns, std::byte* records) override
+    void decode(const Turn& turn, std::byte* record) override
     {
-        RangeDecoder in = m_in;  // a copy, which the processor has in registers
-        std::byte* field = records + m_at;
-        for (const Turn& turn : turns) {
-            auto [state, last] = m_channels.at(turn.*m_channel);
-            state.decode(in, turn, last);
-            State::store(field, last);
-            field += m_length;
-        }
+        RangeDecoder in = m_in;
+        auto [state, last] = m_channels.at(turn.*m_channel);
+        state.decode(in, turn, last);
+        State::store(record + m_at, last);
         m_in = in;
     }
 
 private:
-    std::size_t m_at, m_length;
+    std::size_t m_at;
     std::uint8_t Turn::*m_channel;
     Channels<State> m_channels;
 };
@@ -517,7 +511,7 @@ struct LayeredDecoder::Impl {
     void add(std::size_t at, std::size_t item = 0)
     {
         const auto channel = item == 0 ? &Turn::channel : &Turn::itemChannel;
-        layers.push_back(std::make_unique<FieldLayer<State>>(at, length, channel, item != 0 && mixes(item)));
+        layers.push_back(std::make_unique<FieldLayer<State>>(at, channel, item != 0 && mixes(item)));
     }
     bool damaged() const
     {
@@ -533,7 +527,6 @@ struct LayeredDecoder::Impl {
     std::vector<std::byte> bytes;  ///< the first record and the layers, each with what a decoder reads ahead
     std::uint64_t size = 0, head = 0;
     bool atFirst = true;
-    std::array<Turn, kBlock> turns;
 };
 
 bool LayeredDecoder::supports(const LazInfo& info)
@@ -588,13 +581,14 @@ std::size_t LayeredDecoder::decode(std::size_t count, std::byte* records)
     Impl& impl = *m_impl;
     if (impl.size == 0) return 0;
     for (std::size_t done = 0; done < count;) {
-        const std::size_t n = impl.atFirst ? 1 : std::min(kBlock, count - done);
-        // What no layer changes is as in the first record.
-        for (std::size_t k = 0; k < n; ++k) std::memcpy(records + k * impl.length, impl.bytes.data(), impl.length);
-        if (!std::exchange(impl.atFirst, false)) {
-            const auto turns = std::span(impl.turns).first(n);
-            impl.first.decode(turns, records, impl.length);
-            for (Layer* layer : impl.present) layer->decode(turns, records);
+        const std::size_t n = std::min(kBlock, count - done);
+        for (std::size_t k = 0; k < n; ++k) {
+            std::byte* record = records + k * impl.length;
+            // What no layer changes is as in the first record.
+            std::memcpy(record, impl.bytes.data(), impl.length);
+            if (std::exchange(impl.atFirst, false)) continue;
+            const Turn turn = impl.first.decode(record);
+            for (Layer* layer : impl.present) layer->decode(turn, record);
         }
         if (impl.damaged()) return done;
         done += n;

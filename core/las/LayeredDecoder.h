@@ -7,8 +7,8 @@ namespace punctum::las
 {
 
 /// Decodes the points of the formats 6 to 10 with extra bytes: items POINT14, RGB14, RGBNIR14, WAVEPACKET14 and
-/// BYTE14 of the versions 2 to 4. Each chunk holds its points in layers, each with a range coder of its own; they
-/// are decoded one after the other, some points at a time.
+/// BYTE14 of the versions 2 to 4. Each chunk holds its points in layers, each with a range coder of its own. All
+/// layers of a point are decoded before the next point, so that the processor works on several at once.
 ///
 /// A layer ends with the last byte that its decoder takes, and position() is the chunk's end only when all do. So
 /// most damage is noticed that LASzip lets pass. For one thread.

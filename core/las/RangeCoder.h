@@ -54,7 +54,7 @@ public:
     /// Cumulative frequency below `symbol`.
     std::uint32_t below(unsigned symbol) const noexcept { return std::uint16_t(m_below[symbol]); }
     /// The last symbol whose range begins at or below `target`, which is at most INT16_MAX.
-    unsigned find(std::uint32_t target) const noexcept
+    [[gnu::always_inline]] unsigned find(std::uint32_t target) const noexcept
     {
         unsigned at = 0;
         if constexpr (kBlocks > 1) {
@@ -92,7 +92,7 @@ private:
         return n;
 #endif
     }
-    void rescale() noexcept
+    [[gnu::noinline]] void rescale() noexcept
     {
         m_total += m_cycle;
         if (m_total > (1u << kSymbolShift)) {
@@ -193,14 +193,14 @@ public:
     bool damaged() const noexcept { return m_impossible || m_at > m_end; }
 
     template <unsigned Most>
-    unsigned symbol(SymbolModel<Most>& model) noexcept
+    [[gnu::always_inline]] unsigned symbol(SymbolModel<Most>& model) noexcept
     {
         const std::uint32_t step = m_length >> kSymbolShift;
         return take(model, model.find(std::min<std::uint32_t>(m_value / step, INT16_MAX)), step);
     }
     /// The same, faster where the symbol that came last mostly comes again.
     template <unsigned Most>
-    unsigned likelySymbol(SymbolModel<Most>& model) noexcept
+    [[gnu::always_inline]] unsigned likelySymbol(SymbolModel<Most>& model) noexcept
     {
         const std::uint32_t step = m_length >> kSymbolShift;
         const unsigned last = model.last();
@@ -210,7 +210,7 @@ public:
             return take(model, last, step);
         return take(model, model.find(std::min<std::uint32_t>(m_value / step, INT16_MAX)), step);
     }
-    bool bit(BitModel& model) noexcept
+    [[gnu::always_inline]] bool bit(BitModel& model) noexcept
     {
         const std::uint32_t x = model.zero() * (m_length >> kBitShift);
         const bool bit = m_value >= x;
@@ -266,7 +266,7 @@ private:
     static constexpr unsigned kDirectBits = 19;  ///< most bits taken without a model at once
 
     template <unsigned Most>
-    unsigned take(SymbolModel<Most>& model, unsigned symbol, std::uint32_t step) noexcept
+    [[gnu::always_inline]] unsigned take(SymbolModel<Most>& model, unsigned symbol, std::uint32_t step) noexcept
     {
         const std::uint32_t x = model.below(symbol) * step;
         const std::uint32_t y = symbol + 1 < model.symbols() ? model.below(symbol + 1) * step : m_length;
@@ -277,7 +277,7 @@ private:
         return symbol;
     }
     /// Takes whole bytes until the length has its upper eight bits again: none, one, two or three.
-    void renormalize() noexcept
+    [[gnu::always_inline]] void renormalize() noexcept
     {
         const unsigned shift = unsigned(std::countl_zero(m_length)) & 24u;
         std::uint32_t next;
