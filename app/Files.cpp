@@ -73,6 +73,23 @@ std::shared_ptr<PointCloud> loadForWriting(const fs::path& in, const fs::path& o
     return cloud;
 }
 
+las::WriteReport writeCloud(const PointCloud& cloud, const fs::path& path, const las::WriteOptions& options,
+                            Progress& progress)
+{
+    try {
+        return las::write(cloud, path, options, progress);
+    } catch (const las::WriteQuestion& question) {
+        if (question.kind() != las::WriteQuestion::Kind::Upgrade) throw;
+        throw Error(std::string(question.what()) + " Add --upgrade to write " + question.becomes() + ".");
+    }
+}
+
+void addUpgrade(CLI::App& command, bool& upgrade)
+{
+    command.add_flag("--upgrade", upgrade,
+                     "Write a point format and LAS version that can hold everything, where those of IN cannot");
+}
+
 void reportWritten(const las::WriteReport& report, const fs::path& path, bool json, Json more)
 {
     if (json) {

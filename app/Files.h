@@ -11,6 +11,11 @@
 #include <string>
 #include <vector>
 
+namespace CLI
+{
+class App;
+}
+
 namespace punctum::app
 {
 
@@ -23,6 +28,12 @@ void checkFolder(const std::filesystem::path& path);
 /// original by what could be read of it. Throws Error, Cancelled.
 std::shared_ptr<PointCloud> loadForWriting(const std::filesystem::path& in, const std::filesystem::path& out,
                                            Progress& progress);
+
+/// las::write, with a hint at the option where its question is whether to upgrade. Throws Error, Cancelled.
+las::WriteReport writeCloud(const PointCloud& cloud, const std::filesystem::path& path,
+                            const las::WriteOptions& options, Progress& progress);
+/// Adds --upgrade, for writeCloud.
+void addUpgrade(CLI::App& command, bool& upgrade);
 
 /// Tells what was written: JSON with `more` keys in front, or a line, and the notes on stderr.
 void reportWritten(const las::WriteReport& report, const std::filesystem::path& path, bool json,

@@ -6,7 +6,7 @@ set -eu
 
 packages="cmake ninja-build ccache g++ pkg-config
     qt6-base-dev qt6-qpa-plugins libgl-dev libegl-dev libegl1 libgl1-mesa-dri
-    libglm-dev libpcl-dev libtbb-dev libepoxy-dev nlohmann-json3-dev libcli11-dev liblaszip-dev"
+    libglm-dev libpcl-dev libtbb-dev libepoxy-dev nlohmann-json3-dev libcli11-dev liblaszip-dev libproj-dev"
 for argument in "$@"; do
     case $argument in
     --test) packages="$packages xvfb" ;;
@@ -30,7 +30,7 @@ fail() {
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
     say "this system has no apt, so nothing is installed here. Punctum needs a C++20 compiler, CMake 3.25, Ninja,"
-    say "Qt 6.4, OpenGL and EGL, GLM, PCL 1.13, TBB, libepoxy, nlohmann-json, CLI11 and LASzip (tests: Xvfb)."
+    say "Qt 6.4, OpenGL and EGL, GLM, PCL 1.13, TBB, libepoxy, nlohmann-json, CLI11, PROJ and LASzip (tests: Xvfb)."
     exit 0
 fi
 

@@ -96,6 +96,10 @@ public:
     };
     const std::optional<LastSave>& lastSave() const noexcept { return m_lastSave; }
 
+    /// The user has said yes to another point format or LAS version, once for all saves.
+    bool upgradeAllowed() const noexcept { return m_upgradeAllowed; }
+    void allowUpgrade() { m_upgradeAllowed = true; }
+
     // -- called by the Workspace
     void setLoaded(const las::ReadResult& result);
     void setAttributes(std::vector<Attribute> attributes);
@@ -119,6 +123,7 @@ private:
     bool m_recovered = false;
     PointIndex m_missingPoints = 0;
     QStringList m_losses;
+    bool m_upgradeAllowed = false;
     QStringList m_warnings;
     WorldBounds m_bounds;
     RawBounds m_rawBounds;

@@ -9,6 +9,8 @@
 #include <QCoreApplication>
 #include <QStringList>
 
+#include <algorithm>
+
 namespace punctum::ui
 {
 
@@ -20,9 +22,11 @@ QString tr(const char* text)
     return QCoreApplication::translate("Saving", text);
 }
 
+/// For a look ahead: it shows an upgrade, whoever has to be asked for it.
 las::WriteOptions optionsFor(const std::filesystem::path& target)
 {
     las::WriteOptions options;
+    options.upgrade = true;
     options.compressed = las::isCompressedName(target);
     return options;
 }
@@ -114,6 +118,13 @@ QString savedDetails(const SaveOutcome& outcome, const std::filesystem::path& or
             QLatin1Char('\n');
     for (const std::string& note : outcome.report.notes) text += toQString(note) + QLatin1Char('\n');
     return text;
+}
+
+bool upgrades(const las::SavePreview& preview)
+{
+    return std::any_of(
+        preview.difference.header.begin(), preview.difference.header.end(),
+        [](const las::FieldDifference& f) { return f.name == "point_format" || f.name == "version_minor"; });
 }
 
 QString savingQuestion(const las::SavePreview& preview)

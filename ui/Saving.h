@@ -46,6 +46,8 @@ QString savedText(const SaveOutcome& outcome, const std::filesystem::path& targe
 /// The whole comparison, in lines; empty when there is none.
 QString savedDetails(const SaveOutcome& outcome, const std::filesystem::path& original,
                      const std::filesystem::path& target);
+/// Whether the file gets another point format or LAS version.
+bool upgrades(const las::SavePreview& preview);
 /// What would be left out or upgraded, in sentences for a question; empty when there is nothing to ask about.
 QString savingQuestion(const las::SavePreview& preview);
 

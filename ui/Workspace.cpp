@@ -331,6 +331,7 @@ void Workspace::save(Document& document, const QString& path, std::function<void
     saving->data = document.data();
     saving->original = toPath(document.path());
     saving->target = target;
+    saving->options.upgrade = document.upgradeAllowed();
     saving->ended = std::move(ended);
     if (!ask) return startSave(saving);
 
@@ -356,10 +357,14 @@ void Workspace::save(Document& document, const QString& path, std::function<void
                 return proceed(false);
             }
             const QString question = saving->forecast ? savingQuestion(saving->forecast->preview) : QString();
-            if (question.isEmpty())
-                proceed(true);
-            else
-                ask(question, proceed);
+            if (question.isEmpty()) return proceed(true);
+            ask(question, [saving, proceed](bool wanted) {
+                if (wanted && upgrades(saving->forecast->preview)) {  // that was part of the question
+                    saving->options.upgrade = true;
+                    if (saving->document) saving->document->allowUpgrade();
+                }
+                proceed(wanted);
+            });
         },
         true);
 }
@@ -400,14 +405,21 @@ void Workspace::startSave(const std::shared_ptr<Saving>& saving)
 /// A yes to what stopped the save is noted in its options, and begins it again.
 void Workspace::askFor(const std::shared_ptr<Saving>& saving)
 {
-    QString question, yes;
+    QString question, yes, reason = toQString(std::string(saving->question->what()));
     switch (saving->question->kind()) {
         case las::WriteQuestion::Kind::TargetChanged:
             question = tr("Replace the changed file?");
             yes = tr("&Replace");
             break;
+        case las::WriteQuestion::Kind::Upgrade:
+            question = tr("Save as %1?").arg(toQString(saving->question->becomes()));
+            reason +=
+                QLatin1Char(' ') + tr("Every value is kept. Programs that know only older formats cannot read the "
+                                      "file then. You are asked once for this file.");
+            yes = tr("&Save");
+            break;
     }
-    askQuestion(question, toQString(std::string(saving->question->what())), yes, [this, saving](bool wanted) {
+    askQuestion(question, reason, yes, [this, saving](bool wanted) {
         if (!wanted) {
             if (saving->ended) saving->ended(false);
             return;
@@ -415,6 +427,10 @@ void Workspace::askFor(const std::shared_ptr<Saving>& saving)
         switch (saving->question->kind()) {
             case las::WriteQuestion::Kind::TargetChanged:
                 saving->options.overwriteChanged = true;
+                break;
+            case las::WriteQuestion::Kind::Upgrade:
+                saving->options.upgrade = true;
+                if (saving->document) saving->document->allowUpgrade();
                 break;
         }
         startSave(saving);

@@ -19,6 +19,7 @@ struct ConvertOptions {
     std::string out;
     std::string version;
     int format = -1;
+    bool upgrade = false;
     bool noVerify = false;
     bool json = false;
 };
@@ -32,7 +33,8 @@ void runConvert(const ConvertOptions& options, Progress& progress)
     if (!options.version.empty()) write.versionMinor = std::uint8_t(options.version.back() - '0');
     if (options.format >= 0) write.pointFormat = std::uint8_t(options.format);
     write.verify = !options.noVerify;
-    reportWritten(las::write(*cloud, options.out, write, progress), options.out, options.json);
+    write.upgrade = options.upgrade;
+    reportWritten(writeCloud(*cloud, options.out, write, progress), options.out, options.json);
 }
 
 }  // namespace
@@ -52,6 +54,7 @@ void addConvert(CLI::App& root, Action& action)
         .add_option("--point-format", options->format, "Point data record format to write, 0 to 10; default: as IN")
         ->type_name("N")
         ->check(CLI::Range(0, 10));
+    addUpgrade(command, options->upgrade);
     command.add_flag("--no-verify", options->noVerify,
                      "Do not read the written file back before it takes its name");
     command.add_flag("--json", options->json, "Report in JSON");

@@ -22,6 +22,7 @@ struct ProcessOptions {
     std::string in;
     std::string out;
     std::vector<std::string> steps;
+    bool upgrade = false;
     bool noVerify = false;
     bool list = false;
     bool json = false;
@@ -134,7 +135,8 @@ void runProcess(const ProcessOptions& options, Progress& progress)
     las::WriteOptions write;
     write.compressed = las::isCompressedName(options.out);
     write.verify = !options.noVerify;
-    reportWritten(las::write(*cloud, options.out, write, progress), options.out, options.json, {{"steps", report}});
+    write.upgrade = options.upgrade;
+    reportWritten(writeCloud(*cloud, options.out, write, progress), options.out, options.json, {{"steps", report}});
 }
 
 }  // namespace
@@ -153,6 +155,7 @@ void addProcess(CLI::App& root, Action& action)
                                          "A step: its name, then key=value for each parameter, such as "
                                          "--step \"normals k=16\"; may be given again for further steps")
                              ->type_name("STEP");
+    addUpgrade(command, options->upgrade);
     command.add_flag("--no-verify", options->noVerify,
                      "Do not read the written file back before it takes its name");
     command.add_flag("--list-steps", options->list, "List all steps with their parameters, and do nothing else");

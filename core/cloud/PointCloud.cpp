@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 namespace punctum
 {
@@ -86,6 +87,23 @@ void PointCloud::removeAttribute(std::string_view name)
     if (it == m_attributes.end()) return;
     const Attribute gone = *it;
     m_attributes.erase(it);
+    removeColumnsOf(gone);
+}
+
+void PointCloud::replaceAttribute(const Attribute& attribute)
+{
+    const auto it = std::find_if(m_attributes.begin(), m_attributes.end(),
+                                 [&](const Attribute& a) { return a.name == attribute.name; });
+    if (it == m_attributes.end()) return;
+    const Attribute gone = std::exchange(*it, attribute);
+    for (std::uint32_t c = 0; c < attribute.components; ++c)
+        if (std::find(m_columns.begin(), m_columns.end(), attribute.columns[c]) == m_columns.end())
+            addColumn(attribute.columns[c]);
+    removeColumnsOf(gone);
+}
+
+void PointCloud::removeColumnsOf(const Attribute& gone)
+{
     std::erase_if(m_columns, [&](const std::shared_ptr<Column>& column) {
         const auto shows = [&](const Attribute& a) {
             return std::find(a.columns.begin(), a.columns.end(), column) != a.columns.end();

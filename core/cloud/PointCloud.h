@@ -113,6 +113,9 @@ public:
     void addAttribute(Attribute attribute);
     /// Takes the attribute, and its columns when no other attribute shows them, out of the cloud.
     void removeAttribute(std::string_view name);
+    /// Puts it in the place of the attribute of the same name. Its columns are added where they are not there yet;
+    /// those that no attribute shows any longer go.
+    void replaceAttribute(const Attribute& attribute);
 
     // -- coordinates; X, Y, Z are the first three columns, int32
     std::span<const std::int32_t> rawX() const noexcept { return m_columns[0]->values<std::int32_t>(); }
@@ -138,6 +141,8 @@ public:
 
 private:
     struct Listeners;
+
+    void removeColumnsOf(const Attribute& gone);
 
     PointIndex m_size;
     CoordinateScale m_coordinates;

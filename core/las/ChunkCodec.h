@@ -63,7 +63,8 @@ bool layeredChunkSize(std::span<const std::byte> start, const LazInfo& info, std
 class ChunkDecoder;
 
 /// Decodes one run of compressed points, from memory or straight from the file: with our own
-/// ChunkDecoder, or, for items of version 1, with LASzip. For one thread. After an error nothing more can be decoded.
+/// ChunkDecoder, or, for items of version 1, with LASzip. For one thread. After an error nothing more can be
+/// decoded.
 class PointDecoder
 {
 public:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/las/Crs.h"
 
+#include "core/las/GeoKeys.h"
 #include "core/las/SourceFile.h"
 
 #include <algorithm>
@@ -12,14 +13,7 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::uint16_t kWktId = 2112, kGeoKeysId = 34735, kGeoAsciiId = 34737;
-constexpr const char* kProjection = "LASF_Projection";
-
-// GeoTIFF 1.1, annex B
-constexpr std::uint16_t kModelType = 1024, kCitation = 1026, kGeographicType = 2048, kGeographicCitation = 2049,
-                        kProjectedType = 3072, kProjectedCitation = 3073, kLinearUnits = 3076,
-                        kVerticalUnits = 4099;
-constexpr std::uint16_t kUserDefined = 32767, kModelGeographic = 2;
+constexpr std::uint16_t kWktId = 2112;
 
 std::string upper(std::string text)
 {
@@ -104,49 +98,6 @@ bool readWkt(const Vlr& record, CrsInfo& info)
     return true;
 }
 
-/// GeoTIFF keys: four u16 a key (id, where, count, value), after four of header.
-class GeoKeys
-{
-public:
-    GeoKeys(const Vlr& keys, const Vlr* ascii)
-    {
-        m_words.resize(keys.data.size() / 2);
-        if (!m_words.empty()) std::memcpy(m_words.data(), keys.data.data(), m_words.size() * 2);
-        if (ascii != nullptr) {
-            m_ascii.assign(reinterpret_cast<const char*>(ascii->data.data()), ascii->data.size());
-        }
-    }
-    /// Whether the header of the keys is what GeoTIFF asks for.
-    bool sound() const { return m_words.size() >= 4 && m_words[0] == 1; }
-    std::uint16_t number(std::uint16_t id) const
-    {
-        const std::uint16_t* key = find(id);
-        return key != nullptr && key[1] == 0 ? key[3] : std::uint16_t(0);
-    }
-    std::string text(std::uint16_t id) const
-    {
-        const std::uint16_t* key = find(id);
-        if (key == nullptr || key[1] != kGeoAsciiId || key[3] >= m_ascii.size()) return {};
-        const std::string raw = m_ascii.substr(key[3], key[2]);
-        std::string t = fixedText(std::as_bytes(std::span(raw)));
-        while (!t.empty() && (t.back() == '|' || t.back() == ' ')) t.pop_back();
-        return t;
-    }
-
-private:
-    const std::uint16_t* find(std::uint16_t id) const
-    {
-        if (m_words.size() < 8) return nullptr;
-        // The count in the header may be anything; the record's size decides.
-        const std::size_t count = std::min<std::size_t>(m_words[3], m_words.size() / 4 - 1);
-        for (std::size_t k = 1; k <= count; ++k)
-            if (m_words[k * 4] == id) return &m_words[k * 4];
-        return nullptr;
-    }
-    std::vector<std::uint16_t> m_words;
-    std::string m_ascii;
-};
-
 std::string geoTiffUnit(std::uint16_t code)
 {
     return code == 9002 || code == 9003 ? "ft" : "m";
@@ -155,18 +106,18 @@ std::string geoTiffUnit(std::uint16_t code)
 bool readGeoTiff(const Vlr& record, const Vlr* ascii, CrsInfo& info)
 {
     const GeoKeys keys(record, ascii);
-    const bool geographic = keys.number(kModelType) == kModelGeographic;
-    const std::uint16_t code = keys.number(geographic ? kGeographicType : kProjectedType);
-    std::string citation = keys.text(geographic ? kGeographicCitation : kProjectedCitation);
-    if (citation.empty()) citation = keys.text(kCitation);
-    if (code != 0 && code != kUserDefined) {
+    const bool geographic = keys.geographic();
+    const std::uint16_t code = keys.number(geographic ? geo::kGeographicType : geo::kProjectedType);
+    std::string citation = keys.text(geographic ? geo::kGeographicCitation : geo::kProjectedCitation);
+    if (citation.empty()) citation = keys.text(geo::kCitation);
+    if (code != 0 && code != geo::kUserDefined) {
         info.text = "EPSG:" + std::to_string(code);
         if (!citation.empty()) info.text += " (" + citation + ")";
     } else {
         info.text = citation;
     }
-    info.horizontalUnit = geographic ? "deg" : geoTiffUnit(keys.number(kLinearUnits));
-    const std::uint16_t vertical = keys.number(kVerticalUnits);
+    info.horizontalUnit = geographic ? "deg" : geoTiffUnit(keys.number(geo::kLinearUnits));
+    const std::uint16_t vertical = keys.number(geo::kVerticalUnits);
     info.verticalUnit = vertical != 0 ? geoTiffUnit(vertical) : geographic ? "m" : info.horizontalUnit;
     return !info.text.empty();
 }
@@ -175,10 +126,10 @@ bool readGeoTiff(const Vlr& record, const Vlr* ascii, CrsInfo& info)
 
 CrsInfo readCrs(const SourceFile& source)
 {
-    const Vlr* wkt = source.findVlr(kProjection, kWktId);
+    const Vlr* wkt = source.findVlr(geo::kUser, kWktId);
     if (wkt == nullptr) wkt = source.findVlr("liblas", kWktId);
-    const Vlr* keys = source.findVlr(kProjection, kGeoKeysId);
-    const Vlr* ascii = source.findVlr(kProjection, kGeoAsciiId);
+    const Vlr* keys = source.findVlr(geo::kUser, geo::kKeysId);
+    const Vlr* ascii = source.findVlr(geo::kUser, geo::kAsciiId);
     const bool wktFirst = (source.header.globalEncoding() & 16) != 0 || isExtendedFormat(source.layout.format);
 
     CrsInfo info;

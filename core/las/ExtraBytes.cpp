@@ -176,6 +176,8 @@ std::vector<ExtraBytesItem> parseExtraBytes(std::span<const Vlr* const> records,
                 return items;
             }
             item.offset = at;
+            item.record = std::size_t(std::find(records.begin(), records.end(), record) - records.begin());
+            item.place = k;
             at += item.bytes;
             items.push_back(item);
         }

@@ -56,6 +56,8 @@ struct ExtraBytesItem {
     ScalarType type = ScalarType::U8;
     std::uint32_t values = 1;  ///< 2 or 3 for the old vector types, the number of bytes when opaque
     bool opaque = false;
+    std::size_t record = 0;  ///< which of the records it is in
+    std::size_t place = 0;   ///< of the descriptor in that record's bytes
 };
 
 /// Lays the descriptors of all records (in file order, one after another) over the bytes [first, last) of the
@@ -63,6 +65,16 @@ struct ExtraBytesItem {
 /// the bytes after the last item are nobody's.
 std::vector<ExtraBytesItem> parseExtraBytes(std::span<const Vlr* const> records, std::uint32_t first,
                                             std::uint32_t last, std::vector<std::string>& warnings);
+
+/// Smallest and largest stored value of one component of an item whose descriptor states them, as the descriptor
+/// does: 8 bytes of u64, i64 or f64.
+struct ExtraBytesRange {
+    std::size_t item = 0;  ///< of the list that parseExtraBytes gives
+    std::size_t component = 0;
+    bool any = false;  ///< false: no point has a value, and min and max mean nothing
+    std::uint64_t min = 0, max = 0;
+    friend bool operator==(const ExtraBytesRange&, const ExtraBytesRange&) = default;
+};
 
 /// Text of a fixed-size field up to the first NUL, as UTF-8, control characters replaced.
 std::string fixedText(std::span<const std::byte> field);

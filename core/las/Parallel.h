@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/cloud/Column.h"
+#include "core/task/Progress.h"
+
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 
@@ -37,6 +42,29 @@ void forEachInOrder(std::size_t count, const Work& work)
             }
         },
         tbb::simple_partitioner());
+}
+
+/// One T of all points in the ranges: add(t, range) is called in parallel on parts of them, the results are put
+/// together with t.include(other). Throws Cancelled.
+template <typename T, typename Add>
+T reducePoints(const std::vector<PointRange>& ranges, Progress& progress, const Add& add)
+{
+    constexpr PointIndex kGrain = 1 << 16;
+    T all;
+    for (const PointRange& range : ranges) {
+        all.include(tbb::parallel_reduce(
+            tbb::blocked_range<PointIndex>(range.first, range.last, kGrain), T{},
+            [&](const tbb::blocked_range<PointIndex>& r, T t) {
+                if (!progress.cancelled()) add(t, PointRange{r.begin(), r.end()});
+                return t;
+            },
+            [](T a, const T& b) {
+                a.include(b);
+                return a;
+            }));
+    }
+    progress.check();
+    return all;
 }
 
 }  // namespace punctum::las

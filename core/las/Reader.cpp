@@ -2,6 +2,7 @@
 #include "core/las/Reader.h"
 
 #include "core/Error.h"
+#include "core/las/ExtraBytesRange.h"
 #include "core/las/File.h"
 #include "core/las/Parallel.h"
 #include "core/las/RecordBlocks.h"
@@ -313,6 +314,7 @@ ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& 
     }
     summary.complete = true;
     summary.missing = result.missing;
+    summary.extra = extraBytesRanges(cloud, *m_source, readable(cloud.size(), result.missing), progress);
     result.bounds = summary.bounds;
     m_source->asRead->set(std::move(summary));
     return result;

@@ -3,6 +3,7 @@
 #include "core/las/WritePlan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace punctum::las
@@ -17,18 +18,16 @@ constexpr std::size_t kPiece = 4096;  ///< points converted at once
 
 /// Packed fields of the target, for a piece of points.
 struct Packed {
-    std::vector<std::uint8_t> returns, flags, classes;
-    std::vector<std::int16_t> angle16;
-    std::vector<std::int8_t> angle8;
+    std::array<std::uint8_t, kPiece> returns, flags, classes;
+    std::array<std::int16_t, kPiece> angle16;
+    std::array<std::int8_t, kPiece> angle8;
 
-    void toExtended(const std::uint8_t* r, const std::uint8_t* c, const std::int8_t* a, std::size_t n)
+    /// `w`: classes of their own, or null: those in `c`.
+    void toExtended(const std::uint8_t* r, const std::uint8_t* c, const std::uint8_t* w, const std::int8_t* a,
+                    std::size_t n)
     {
-        returns.resize(n);
-        flags.resize(n);
-        classes.resize(n);
-        angle16.resize(n);
         for (std::size_t i = 0; i < n; ++i) {
-            const std::uint8_t cls = c[i] & 31;
+            const std::uint8_t cls = w != nullptr ? w[i] : c[i] & 31;
             returns[i] = std::uint8_t((r[i] & 7) | ((r[i] >> 3) & 7) << 4);
             flags[i] = std::uint8_t((c[i] >> 5) | (cls == kOverlapClass ? 8 : 0) | (r[i] & 0xC0));
             classes[i] = cls;
@@ -38,14 +37,15 @@ struct Packed {
     void toClassic(const std::uint8_t* r, const std::uint8_t* f, const std::uint8_t* c, const std::int16_t* a,
                    std::size_t n)
     {
-        returns.resize(n);
-        classes.resize(n);
-        angle8.resize(n);
         for (std::size_t i = 0; i < n; ++i) {
             returns[i] = std::uint8_t((r[i] & 7) | ((r[i] >> 4) & 7) << 3 | (f[i] & 0xC0));
             classes[i] = std::uint8_t((c[i] & 31) | (f[i] & 7) << 5);
             angle8[i] = std::int8_t(std::lround(double(a[i]) * kScanAngleStep));
         }
+    }
+    void foldClasses(const std::uint8_t* c, const std::uint8_t* w, std::size_t n)
+    {
+        for (std::size_t i = 0; i < n; ++i) classes[i] = std::uint8_t((c[i] & 0xE0) | (w[i] & 31));
     }
 };
 
@@ -58,17 +58,17 @@ const T* valuesFrom(const std::shared_ptr<const Column>& column, PointIndex firs
 }  // namespace
 
 RecordMaker::RecordMaker(RecordLayout layout, std::vector<std::shared_ptr<const Column>> columns,
-                         Conversion conversion, std::array<std::shared_ptr<const Column>, 4> packed,
-                         std::vector<PointRange> kept)
+                         Conversion conversion, PackedColumns packed, std::vector<PointRange> kept)
     : m_layout(std::move(layout)),
       m_columns(std::move(columns)),
       m_conversion(conversion),
       m_packed(std::move(packed)),
+      m_returns(m_layout.find("Returns")),
+      m_flags(m_layout.find(isExtendedFormat(m_layout.format) ? "Flags" : "Classes")),
+      m_classes(isExtendedFormat(m_layout.format) ? m_layout.find("Classification") : -1),
+      m_angle(m_layout.find("ScanAngle")),
       m_kept(std::move(kept))
 {
-    const bool extended = isExtendedFormat(m_layout.format);
-    m_packedFields = {m_layout.find("Returns"), m_layout.find(extended ? "Flags" : "Classes"),
-                      extended ? m_layout.find("Classification") : -1, m_layout.find("ScanAngle")};
     for (const PointRange& r : m_kept) {
         m_before.push_back(m_points);
         m_points += r.size();
@@ -101,25 +101,30 @@ void RecordMaker::makePiece(PointIndex first, std::size_t count, std::byte* reco
     std::vector<const std::byte*> from(m_columns.size());
     for (std::size_t k = 0; k < from.size(); ++k)
         from[k] = m_columns[k] ? m_columns[k]->data() + first * m_columns[k]->elementBytes() : nullptr;
+    if (m_conversion == Conversion::None) return interleave(m_layout, from, count, records);
+
     Packed packed;
-    const auto use = [&](std::size_t which, const void* values) {
-        from[std::size_t(m_packedFields[which])] = static_cast<const std::byte*>(values);
+    const auto use = [&](int field, const void* values) {
+        from[std::size_t(field)] = static_cast<const std::byte*>(values);
     };
-    if (m_conversion == Conversion::ToExtended) {
-        packed.toExtended(valuesFrom<std::uint8_t>(m_packed[0], first),
-                          valuesFrom<std::uint8_t>(m_packed[1], first), valuesFrom<std::int8_t>(m_packed[3], first),
-                          count);
-        use(0, packed.returns.data());
-        use(1, packed.flags.data());
-        use(2, packed.classes.data());
-        use(3, packed.angle16.data());
-    } else if (m_conversion == Conversion::ToClassic) {
-        packed.toClassic(valuesFrom<std::uint8_t>(m_packed[0], first), valuesFrom<std::uint8_t>(m_packed[1], first),
-                         valuesFrom<std::uint8_t>(m_packed[2], first), valuesFrom<std::int16_t>(m_packed[3], first),
-                         count);
-        use(0, packed.returns.data());
-        use(1, packed.classes.data());
-        use(3, packed.angle8.data());
+    const auto* const flags = valuesFrom<std::uint8_t>(m_packed.flags, first);
+    const auto* const classes = m_packed.classes ? valuesFrom<std::uint8_t>(m_packed.classes, first) : nullptr;
+    if (m_conversion == Conversion::FoldClasses) {
+        packed.foldClasses(flags, classes, count);
+        use(m_flags, packed.classes.data());
+    } else if (m_conversion == Conversion::ToExtended) {
+        packed.toExtended(valuesFrom<std::uint8_t>(m_packed.returns, first), flags, classes,
+                          valuesFrom<std::int8_t>(m_packed.angle, first), count);
+        use(m_returns, packed.returns.data());
+        use(m_flags, packed.flags.data());
+        use(m_classes, packed.classes.data());
+        use(m_angle, packed.angle16.data());
+    } else {
+        packed.toClassic(valuesFrom<std::uint8_t>(m_packed.returns, first), flags, classes,
+                         valuesFrom<std::int16_t>(m_packed.angle, first), count);
+        use(m_returns, packed.returns.data());
+        use(m_flags, packed.classes.data());
+        use(m_angle, packed.angle8.data());
     }
     interleave(m_layout, from, count, records);
 }

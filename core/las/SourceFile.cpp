@@ -55,6 +55,18 @@ std::string Header::version() const
     return std::to_string(versionMajor()) + "." + std::to_string(versionMinor());
 }
 
+std::vector<PointRange> readable(PointIndex points, const std::vector<PointRange>& missing)
+{
+    std::vector<PointRange> ranges;
+    PointIndex next = 0;
+    for (const PointRange& gone : missing) {
+        if (gone.first > next) ranges.push_back({next, gone.first});
+        next = std::max(next, gone.last);
+    }
+    if (next < points) ranges.push_back({next, points});
+    return ranges;
+}
+
 const Vlr* SourceFile::findVlr(std::string_view user, std::uint16_t id) const
 {
     for (const auto* list : {&vlrs, &evlrs})

@@ -102,6 +102,7 @@ public:
         RawBounds bounds;                          ///< of the points that could be read
         std::array<std::uint64_t, 16> byReturn{};  ///< points of return number 0 to 15
         std::vector<PointRange> missing;           ///< damaged: their values are 0 and mean nothing
+        std::vector<ExtraBytesRange> extra;        ///< see extraBytesRanges
     };
     Summary get() const
     {
@@ -118,6 +119,9 @@ private:
     mutable std::mutex m_mutex;
     Summary m_summary;
 };
+
+/// The points of a cloud without those that are missing, as ranges.
+std::vector<PointRange> readable(PointIndex points, const std::vector<PointRange>& missing);
 
 /// The file that holds the cloud at present: the one it was read from, later the one it was last saved to.
 /// Saving looks there whether somebody else changed that file meanwhile, and for compressed chunks that no edit

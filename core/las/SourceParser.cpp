@@ -5,6 +5,7 @@
 #include "core/las/Crs.h"
 #include "core/las/File.h"
 #include "core/las/Leftovers.h"
+#include "core/las/WaveformFile.h"
 
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
@@ -27,7 +28,7 @@ constexpr std::size_t kSampleChunks = 1024;  ///< LAZ: chunks whose first point 
 constexpr double kLargestCoordinate = 1e18;  ///< beyond it no unit makes sense
 constexpr double kHeaderBoxAtMost = 20;      ///< times the sampled extent, else the header's box is not believed
 constexpr std::size_t kSamplesToJudge = 32;  ///< fewer samples say little on the extent
-constexpr std::uint16_t kInternalWaveform = 2, kExternalWaveform = 4;
+constexpr std::uint16_t kInternalWaveform = 2;
 
 std::string text(std::uint64_t n)
 {
@@ -334,11 +335,7 @@ private:
 
     void describeWaveform()
     {
-        std::error_code ignored;
-        for (const char* ending : {".wdp", ".WDP"}) {
-            std::filesystem::path packets = m_s.path;
-            if (std::filesystem::exists(packets.replace_extension(ending), ignored)) return;
-        }
+        if (findWaveforms(m_s.path)) return;
         warn("The waveforms are in a separate .wdp file, which is not there.");
     }
 

@@ -2,10 +2,13 @@
 #include "core/las/WritePlan.h"
 
 #include "core/Error.h"
+#include "core/Text.h"
+#include "core/las/ExtraBytesPlan.h"
+#include "core/las/ExtraBytesRange.h"
+#include "core/las/GeoKeys.h"
+#include "core/las/Parallel.h"
 #include "core/task/Progress.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
 #include <glm/common.hpp>
 
 #include <algorithm>
@@ -18,10 +21,7 @@ namespace punctum::las
 namespace
 {
 
-constexpr PointIndex kGrain = 1 << 16;
 constexpr std::uint16_t kWktBit = 16, kWaveformBit = 2;
-constexpr std::size_t kMostDescriptors = UINT16_MAX / ExtraBytesDescriptor::kSize;
-constexpr double kScanAngleStep = 0.006;
 constexpr const char* kLaxLeftOut = "The LAX spatial index is left out: it belongs to the old compressed file.";
 constexpr std::size_t kSpecialCountAt = 16, kSpecialStartAt = 24;  ///< in the laszip record
 
@@ -29,43 +29,6 @@ std::string text(std::uint64_t n)
 {
     return std::to_string(n);
 }
-
-std::uint8_t oldestMinor(std::uint8_t format)
-{
-    if (isExtendedFormat(format)) return 4;
-    if (hasWaveform(format)) return 3;
-    return format >= 2 ? 2 : 0;
-}
-
-/// "34 points have a class above 31", for each kind of value that a format cannot hold.
-struct Misfits {
-    enum Kind { Class, Returns, Overlap, Channel, Angle, Gps, Color, Nir, Waveform, kKinds };
-    std::array<std::uint64_t, kKinds> counts{};
-
-    void include(const Misfits& o)
-    {
-        for (std::size_t k = 0; k < kKinds; ++k) counts[k] += o.counts[k];
-    }
-    std::string sentence(std::uint8_t format) const
-    {
-        constexpr const char* kWhat[kKinds] = {"a class above 31",
-                                               "more than 7 returns",
-                                               "the overlap flag",
-                                               "a scanner channel",
-                                               "a scan angle that is no whole degree",
-                                               "a GPS time",
-                                               "colors",
-                                               "near infrared",
-                                               "a waveform"};
-        std::string list;
-        for (std::size_t k = 0; k < kKinds; ++k)
-            if (counts[k] != 0)
-                list += (list.empty() ? "" : ", ") + text(counts[k]) +
-                        (counts[k] == 1 ? " point has " : " points have ") + kWhat[k];
-        if (list.empty()) return {};
-        return "Point format " + text(format) + " cannot hold these points: " + list + ".";
-    }
-};
 
 /// Extent and returns of the points that are written.
 struct Summary {
@@ -78,26 +41,6 @@ struct Summary {
         for (std::size_t k = 0; k < 16; ++k) byReturn[k] += o.byReturn[k];
     }
 };
-
-template <typename T, typename Add>
-T reducePoints(const std::vector<PointRange>& kept, Progress& progress, const Add& add)
-{
-    T all;
-    for (const PointRange& range : kept) {
-        all.include(tbb::parallel_reduce(
-            tbb::blocked_range<PointIndex>(range.first, range.last, kGrain), T{},
-            [&](const tbb::blocked_range<PointIndex>& r, T t) {
-                if (!progress.cancelled()) add(t, PointRange{r.begin(), r.end()});
-                return t;
-            },
-            [](T a, const T& b) {
-                a.include(b);
-                return a;
-            }));
-    }
-    progress.check();
-    return all;
-}
 
 /// Appends a value's bytes.
 template <typename T>
@@ -155,12 +98,7 @@ private:
     [[noreturn]] void refuse(const std::string& sentence) const { throw Error(m_target, sentence); }
     void note(const std::string& sentence) { m_plan.notes.push_back(sentence); }
 
-    std::shared_ptr<const Column> column(std::string_view name) const
-    {
-        for (const auto& c : m_cloud.columns())
-            if (c->name() == name) return c;
-        return nullptr;
-    }
+    std::shared_ptr<const Column> column(std::string_view name) const { return findColumn(m_cloud, name); }
 
     // -- what there is
 
@@ -174,12 +112,7 @@ private:
             refuse(
                 "This file was damaged when it was opened; save under another name, so that the original stays.");
         m_read = m_source->asRead->get();
-        PointIndex next = 0;
-        for (const PointRange& gone : m_read.missing) {
-            if (gone.first > next) m_kept.push_back({next, gone.first});
-            next = std::max(next, gone.last);
-        }
-        if (next < m_cloud.size()) m_kept.push_back({next, m_cloud.size()});
+        m_kept = readable(m_cloud.size(), m_read.missing);
         for (const PointRange& r : m_kept) m_points += r.size();
         if (m_points != m_cloud.size())
             note(text(m_cloud.size() - m_points) + " points that could not be read are left out.");
@@ -211,7 +144,9 @@ private:
     void chooseFormat()
     {
         const std::uint8_t before = m_source->layout.format;
-        m_format = m_options.pointFormat.value_or(before);
+        FormatNeeds needs;
+        if (!m_options.pointFormat) needs = findNeeds(m_cloud, *m_source, m_kept, m_progress);
+        m_format = m_options.pointFormat.value_or(needs.formatFor(before));
         if (m_format > kLastPointFormat) refuse("There is no point format " + text(m_format) + ".");
         const std::uint8_t minorBefore = m_header.versionMinor();
         m_minor = m_options.versionMinor.value_or(minorBefore);
@@ -219,16 +154,34 @@ private:
             refuse("LAS 1." + text(m_minor) + " cannot be written; choose 1.2, 1.3 or 1.4.");
         const bool formatAsked = m_format != before || (m_options.versionMinor && m_minor != minorBefore);
         std::uint8_t needed = formatAsked ? oldestMinor(m_format) : std::uint8_t(0);
-        if (m_points > UINT32_MAX) needed = 4;
+        const bool many = m_points > UINT32_MAX;
+        if (many) needed = 4;
+        if (many && m_minor < needed)
+            needs.reasons.push_back(grouped(m_points) + " points are more than it can count");
         if (m_minor < needed) {
             if (m_options.versionMinor)
-                refuse((m_points > UINT32_MAX ? text(m_points) + " points need"
-                                              : "Point format " + text(m_format) + " needs") +
+                refuse((many ? text(m_points) + " points need" : "Point format " + text(m_format) + " needs") +
                        " LAS 1." + text(needed) + " or newer.");
-            note("The file becomes LAS 1." + text(needed) + ", which point format " + text(m_format) + " needs.");
             m_minor = needed;
         }
+        if (!needs.reasons.empty())
+            upgrade(needs.reasons, before, minorBefore);
+        else if (m_minor != minorBefore && !m_options.versionMinor)
+            note("The file becomes LAS 1." + text(m_minor) + ", which point format " + text(m_format) + " needs.");
         m_restructured = m_format != before || m_minor != minorBefore;
+    }
+
+    /// What there is now does not fit the source's format: another one only if the user says so.
+    void upgrade(const std::vector<std::string>& reasons, std::uint8_t before, std::uint8_t minorBefore)
+    {
+        std::string list;
+        for (const std::string& reason : reasons) list += (list.empty() ? "" : ", ") + reason;
+        const std::string old = "Point format " + text(before) + " of LAS 1." + text(minorBefore);
+        const std::string now = "point format " + text(m_format) + " of LAS 1." + text(m_minor);
+        if (!m_options.upgrade)
+            throw WriteQuestion(WriteQuestion::Kind::Upgrade, m_target,
+                                old + " cannot hold what the points are now: " + list + ".", now);
+        note("The file becomes " + now + ", since the former one cannot hold it: " + list + ".");
     }
 
     /// Standard fields of the target, from the columns of the same name.
@@ -239,7 +192,11 @@ private:
         m_layout.attributes.clear();
         m_layout.attributeFields.clear();
         const bool was = isExtendedFormat(m_source->layout.format), is = isExtendedFormat(m_format);
-        if (was != is) m_conversion = is ? RecordMaker::Conversion::ToExtended : RecordMaker::Conversion::ToClassic;
+        m_packed = packedColumns(m_cloud, *m_source);
+        if (was != is)
+            m_conversion = is ? RecordMaker::Conversion::ToExtended : RecordMaker::Conversion::ToClassic;
+        else if (!is && m_packed.classes)
+            m_conversion = RecordMaker::Conversion::FoldClasses;
         const auto packed = [&](const std::string& name) {
             return name == "Returns" || name == "Classes" || name == "Flags" || name == "Classification" ||
                    name == "ScanAngle";
@@ -249,16 +206,15 @@ private:
             const int before = m_source->layout.find(f.column);  // extra bytes of the same name stay extra bytes
             const bool extra = before >= 0 && m_source->layout.fields[std::size_t(before)].offset >=
                                                   standardRecordLength(m_source->layout.format);
-            if (!extra && (m_conversion == RecordMaker::Conversion::None || !packed(f.column))) c = matching(f);
+            const bool converted = m_conversion == RecordMaker::Conversion::FoldClasses
+                                       ? f.column == "Classes"
+                                       : m_conversion != RecordMaker::Conversion::None && packed(f.column);
+            if (!extra && !converted) c = matching(f);
             m_columns.push_back(std::move(c));
         }
-        if (m_conversion != RecordMaker::Conversion::None) {
-            m_packed = {column("Returns"), column(was ? "Flags" : "Classes"),
-                        was ? column("Classification") : nullptr, column("ScanAngle")};
-            for (std::size_t k = 0; k < 4; ++k)
-                if (m_packed[k] == nullptr && (k != 2 || was))
-                    refuse("The cloud lacks a field of its point format and cannot be converted.");
-        }
+        if (m_conversion != RecordMaker::Conversion::None &&
+            (!m_packed.returns || !m_packed.flags || !m_packed.angle || (was && !m_packed.classes)))
+            refuse("The cloud lacks a field of its point format and cannot be converted.");
         chooseExtraBytes();
     }
 
@@ -281,114 +237,57 @@ private:
     /// The source's extra bytes as they are, unless attributes came or went: then one record describes them all.
     void chooseExtraBytes()
     {
-        const RecordLayout& from = m_source->layout;
-        const std::uint16_t standard = standardRecordLength(from.format);
-        std::vector<std::string> ignored;
-        const auto records = m_source->extraBytesRecords();
-        const auto items = parseExtraBytes(records, standard, from.length, ignored);
-
-        std::vector<ExtraBytesDescriptor> descriptors;
-        std::vector<std::string> gone;
-        std::size_t field = 0;
-        while (field < from.fields.size() && from.fields[field].offset < standard) ++field;
-        for (const ExtraBytesItem& item : items) {
-            const std::size_t n = item.opaque ? 1 : item.values;
-            bool whole = true;
-            for (std::size_t k = 0; k < n; ++k) whole = whole && matching(from.fields[field + k]) != nullptr;
-            if (whole) descriptors.push_back(item.descriptor);
-            for (std::size_t k = 0; k < n; ++k, ++field) {
-                const auto c = matching(from.fields[field]);
-                if (c == nullptr) {
-                    gone.push_back(from.fields[field].column);
-                    continue;
-                }
-                if (!whole) descriptors.push_back(describe(*c));
-                addField(c);
-            }
-        }
-        for (; field < from.fields.size(); ++field) {  // bytes that nobody described
-            const auto c = matching(from.fields[field]);
-            if (c == nullptr) {
-                gone.push_back(from.fields[field].column);
-                continue;
-            }
-            addOpaque(*c, descriptors);
-            addField(c);
-        }
-
-        std::vector<std::string> added;
-        for (const auto& c : m_cloud.columns()) {
-            if (const int f = from.find(c->name());
-                f >= 0 && std::size_t(from.fields[std::size_t(f)].offset) < standard)
-                continue;
-            if (std::find(m_columns.begin(), m_columns.end(), c) != m_columns.end()) continue;
-            if (c->components() > 1)
-                addOpaque(*c, descriptors);
-            else
-                descriptors.push_back(describe(*c));
-            addField(c);
-            added.push_back(c->name());
-        }
-        if (added.empty() && gone.empty()) return;
+        auto standard = m_columns;
+        if (!isExtendedFormat(m_source->layout.format)) standard.push_back(m_packed.classes);
+        ExtraBytesPlan extra = planExtraBytes(m_cloud, *m_source, standard);
+        for (const auto& c : extra.columns) addField(c);
+        updateRanges(extra);
+        if (extra.unchanged()) return;
         m_restructured = true;
-        replaceExtraBytesRecord(descriptors);
-        std::erase_if(gone, [&](const std::string& name) {
-            return std::find(added.begin(), added.end(), name) != added.end();
-        });
+        replaceExtraBytesRecord(extra.descriptors);
         const auto list = [](const std::vector<std::string>& names) {
             std::string s;
             for (const std::string& n : names) s += (s.empty() ? "" : ", ") + n;
             return s;
         };
-        if (!added.empty()) note("Stored as extra bytes: " + list(added) + ".");
-        if (!gone.empty()) note("No longer in the file: " + list(gone) + ".");
+        if (!extra.added.empty()) note("Stored as extra bytes: " + list(extra.added) + ".");
+        if (!extra.gone.empty()) note("No longer in the file: " + list(extra.gone) + ".");
     }
 
-    static void addOpaque(const Column& c, std::vector<ExtraBytesDescriptor>& descriptors)
+    /// Minimum and maximum in the descriptors that state them, where edits changed them: what is wrong from the
+    /// start stays as it is.
+    void updateRanges(ExtraBytesPlan& extra)
     {
-        for (std::size_t left = c.elementBytes(); left > 0;) {
-            const std::size_t run = std::min<std::size_t>(left, 255);
-            descriptors.push_back(
-                makeOpaqueDescriptor(std::uint8_t(run), c.name().starts_with("ExtraBytes") ? "" : c.name()));
-            left -= run;
+        if (!m_read.complete) return;
+        const auto now = extraBytesRanges(m_cloud, *m_source, m_kept, m_progress);
+        for (const ExtraBytesRange& range : now) {
+            if (std::find(m_read.extra.begin(), m_read.extra.end(), range) != m_read.extra.end()) continue;
+            const ExtraBytesPlan::SourceItem& item = extra.sourceItems[range.item];
+            if (item.descriptor) setRange(extra.descriptors[*item.descriptor].bytes.data(), range);
+            std::size_t record = 0;
+            for (auto* list : {&m_vlrs, &m_plan.evlrs})
+                for (Vlr& vlr : *list)
+                    if (vlr.is("LASF_Spec", kExtraBytesRecordId) && record++ == item.record)
+                        setRange(vlr.data.data() + item.place, range);
         }
-    }
-
-    ExtraBytesDescriptor describe(const Column& c) const
-    {
-        ExtraBytesField field{c.name(), c.type(), {}, {}, {}};
-        const Attribute* shown = nullptr;
-        for (const Attribute& a : m_cloud.attributes())
-            if (a.components == 1 && a.bitWidth == 0 && a.columns[0].get() == &c) shown = &a;
-        if (shown == nullptr) return makeDescriptor(field);
-        field.name = shown->name;
-        field.description = shown->description;
-        if (shown->scaled) {
-            field.scale = shown->scale;
-            field.offset = shown->offset;
-        }
-        ExtraBytesDescriptor d = makeDescriptor(field);
-        if (shown->noData) {
-            d.bytes[3] |= std::byte(1);
-            std::visit([&](auto v) { std::memcpy(d.bytes.data() + 40, &v, 8); }, *shown->noData);
-        }
-        return d;
     }
 
     void replaceExtraBytesRecord(const std::vector<ExtraBytesDescriptor>& descriptors)
     {
-        if (descriptors.size() > kMostDescriptors)
-            refuse(text(descriptors.size()) + " attributes are more than the " + text(kMostDescriptors) +
-                   " that a file can describe.");
         std::vector<std::byte> data;
         for (const ExtraBytesDescriptor& d : descriptors) data.insert(data.end(), d.bytes.begin(), d.bytes.end());
+        const bool large = data.size() > UINT16_MAX;
+        if (large && m_minor < 4)
+            refuse(text(descriptors.size()) + " attributes are more than the " +
+                   text(UINT16_MAX / ExtraBytesDescriptor::kSize) + " that LAS 1." + text(m_minor) +
+                   " can describe; LAS 1.4 can.");
         bool placed = descriptors.empty();
         for (auto* list : {&m_vlrs, &m_plan.evlrs}) {
             for (std::size_t k = 0; k < list->size();) {
                 Vlr& vlr = (*list)[k];
                 if (!vlr.is("LASF_Spec", kExtraBytesRecordId)) {
                     ++k;
-                } else if (!placed) {
+                } else if (!placed && (!large || vlr.extended)) {
                     vlr.data = data;
                     placed = true;
                     ++k;
@@ -397,8 +296,9 @@ private:
                 }
             }
         }
-        if (!placed)
-            m_vlrs.push_back(makeVlr("LASF_Spec", kExtraBytesRecordId, "Extra Bytes Record", std::move(data)));
+        if (placed) return;
+        Vlr record = makeVlr("LASF_Spec", kExtraBytesRecordId, "Extra Bytes Record", std::move(data), large);
+        (large ? m_plan.evlrs : m_vlrs).push_back(std::move(record));
     }
 
     void erase(std::vector<Vlr>& list, std::size_t k)
@@ -517,61 +417,13 @@ private:
     void refuseLosses()
     {
         const std::uint8_t from = m_source->layout.format;
+        const std::string losses = findLosses(m_cloud, *m_source, m_kept, m_format, m_progress);
+        if (!losses.empty()) refuse(losses);
         if (m_format == from) return;
-        const auto dropped = [&](auto has, std::initializer_list<const char*> names) {
-            std::vector<std::shared_ptr<const Column>> columns;
-            if (has(from) && !has(m_format))
-                for (const char* name : names)
-                    if (auto c = column(name)) columns.push_back(std::move(c));
-            return columns;
-        };
-        const std::pair<Misfits::Kind, std::vector<std::shared_ptr<const Column>>> parts[] = {
-            {Misfits::Gps, dropped(hasGpsTime, {"GpsTime"})},
-            {Misfits::Color, dropped(hasColor, {"Red", "Green", "Blue"})},
-            {Misfits::Nir, dropped(hasNir, {"NIR"})},
-            {Misfits::Waveform,
-             dropped(hasWaveform, {"WaveformDescriptorIndex", "WaveformOffset", "WaveformSize",
-                                   "WaveformReturnLocation", "WaveformX", "WaveformY", "WaveformZ"})}};
-        const bool toClassic = m_conversion == RecordMaker::Conversion::ToClassic;
-        const Misfits misfits = reducePoints<Misfits>(m_kept, m_progress, [&](Misfits& m, PointRange r) {
-            for (const auto& [kind, columns] : parts)
-                if (!columns.empty()) m.counts[kind] += countUsed(columns, r);
-            if (toClassic) countClassic(m, r);
-        });
-        if (const std::string sentence = misfits.sentence(m_format); !sentence.empty()) refuse(sentence);
-        if (isExtendedFormat(m_format) && hasGpsTime(m_format) && !hasGpsTime(from))
+        if (isExtendedFormat(m_format) && !hasGpsTime(from) && findColumn(m_cloud, "GpsTime") == nullptr)
             note("Point format " + text(m_format) + " has a GPS time, which is 0 for all points.");
-    }
-
-    static std::uint64_t countUsed(const std::vector<std::shared_ptr<const Column>>& columns, PointRange r)
-    {
-        std::uint64_t n = 0;
-        for (PointIndex i = r.first; i < r.last; ++i) {
-            bool used = false;
-            for (const auto& c : columns) {
-                const std::byte* p = c->data() + i * c->elementBytes();
-                used = used || std::any_of(p, p + c->elementBytes(), [](std::byte b) { return b != std::byte(0); });
-            }
-            n += used ? 1 : 0;
-        }
-        return n;
-    }
-
-    void countClassic(Misfits& m, PointRange r) const
-    {
-        const auto* returns = reinterpret_cast<const std::uint8_t*>(m_packed[0]->data());
-        const auto* flags = reinterpret_cast<const std::uint8_t*>(m_packed[1]->data());
-        const auto* classes = reinterpret_cast<const std::uint8_t*>(m_packed[2]->data());
-        const auto* angles = reinterpret_cast<const std::int16_t*>(m_packed[3]->data());
-        for (PointIndex i = r.first; i < r.last; ++i) {
-            m.counts[Misfits::Class] += classes[i] > 31;
-            m.counts[Misfits::Returns] += (returns[i] & 15) > 7 || (returns[i] >> 4) > 7;
-            m.counts[Misfits::Overlap] += (flags[i] & 8) != 0 && classes[i] != 12;  // class 12 says the same
-            m.counts[Misfits::Channel] += (flags[i] & 0x30) != 0;
-            const long degrees = std::lround(angles[i] * kScanAngleStep);
-            m.counts[Misfits::Angle] +=
-                degrees < -128 || degrees > 127 || std::lround(double(degrees) / kScanAngleStep) != angles[i];
-        }
+        if (hasNir(m_format) && !hasNir(from) && findColumn(m_cloud, "NIR") == nullptr)
+            note("Point format " + text(m_format) + " has near infrared, which is 0 for all points.");
     }
 
     // -- header
@@ -594,6 +446,40 @@ private:
         if (before < 2) m_header.set<std::uint16_t>(at::kGlobalEncoding, 0);  // was a reserved field
     }
 
+    /// GeoTIFF keys into the WKT that formats 6-10 ask for, in their place. False when there are none, or when they
+    /// cannot be translated: then they stay.
+    bool translateCrs()
+    {
+        const auto find = [&](std::uint16_t id) -> const Vlr* {
+            for (const auto* list : {&m_vlrs, &m_plan.evlrs})
+                for (const Vlr& v : *list)
+                    if (v.is(geo::kUser, id)) return &v;
+            return nullptr;
+        };
+        const Vlr* const keys = find(geo::kKeysId);
+        if (keys == nullptr) return false;
+        std::string name;
+        const std::string wkt = wktOf(GeoKeys(*keys, find(geo::kAsciiId)), name);
+        if (wkt.empty()) {
+            note(
+                "The coordinate system stays in GeoTIFF keys, which cannot be translated into the WKT that point "
+                "format " +
+                text(m_format) + " asks for; some programs will not find it.");
+            return false;
+        }
+        std::vector<std::byte> data(wkt.size() + 1);  // with the NUL that the standard asks for
+        std::memcpy(data.data(), wkt.data(), wkt.size());
+        const auto isKeys = [](const Vlr& v) { return v.is(geo::kUser, geo::kKeysId); };
+        const auto place = std::find_if(m_vlrs.begin(), m_vlrs.end(), isKeys);
+        m_vlrs.insert(place, makeVlr(geo::kUser, 2112, "OGC coordinate system WKT", std::move(data)));
+        dropRecords([](const Vlr& v) {
+            return v.is(geo::kUser, geo::kKeysId) || v.is(geo::kUser, geo::kDoublesId) ||
+                   v.is(geo::kUser, geo::kAsciiId);
+        });
+        note("The coordinate system was translated from GeoTIFF keys to WKT: " + name + ".");
+        return true;
+    }
+
     void setEncoding()
     {
         auto encoding = m_header.globalEncoding();
@@ -603,11 +489,7 @@ private:
                    std::any_of(m_plan.evlrs.begin(), m_plan.evlrs.end(), is);
         };
         const bool becomesExtended = isExtendedFormat(m_format) && !isExtendedFormat(m_source->layout.format);
-        if (becomesExtended && hasRecord(2112))
-            encoding |= kWktBit;
-        else if (becomesExtended && hasRecord(34735))
-            note("The coordinate system stays in GeoTIFF keys; point format " + text(m_format) +
-                 " asks for WKT, into which it is not translated.");
+        if (becomesExtended && (hasRecord(2112) || translateCrs())) encoding |= kWktBit;
         if (m_minor < 4 && m_source->header.versionMinor() >= 4 && (encoding & kWktBit) != 0) {
             encoding &= std::uint16_t(~kWktBit);
             note("LAS 1." + text(m_minor) + " cannot announce the coordinate system in WKT; its record is kept.");
@@ -654,6 +536,11 @@ private:
         if (changed) {
             setBounds(now.bounds);
             m_restructured = true;
+        }
+        const bool otherPoints = m_points != m_source->pointCount || now.bounds != m_read.bounds;
+        if (!m_made && m_read.complete && otherPoints) {
+            if (dropRecords([](const Vlr& v) { return v.is("LAStools", 10) || v.is("LAStools", 20); }) != 0)
+                note("LAStools' records on the tile that the points were are left out: they are other points now.");
         }
     }
 
@@ -755,7 +642,7 @@ private:
     RecordLayout m_layout;
     std::vector<std::shared_ptr<const Column>> m_columns;
     RecordMaker::Conversion m_conversion = RecordMaker::Conversion::None;
-    std::array<std::shared_ptr<const Column>, 4> m_packed;
+    PackedColumns m_packed;
     WritePlan m_plan;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/las/ChunkPlan.h"
+#include "core/las/FormatNeeds.h"
 #include "core/las/SourceFile.h"
 #include "core/las/Writer.h"
 
@@ -23,13 +24,14 @@ namespace punctum::las
 class RecordMaker
 {
 public:
-    /// How bytes 14 to 19 change between the formats 0-5 and 6-10.
-    enum class Conversion { None, ToExtended, ToClassic };
+    /// How bytes 14 to 19 change between the formats 0-5 and 6-10. FoldClasses: only the class, from a column of
+    /// its own back into the byte of formats 0-5.
+    enum class Conversion { None, ToExtended, ToClassic, FoldClasses };
 
-    /// `columns[k]` fills field k of `layout`; null: zeros. `packed`: the source's Returns, Classes or Flags,
-    /// Classification and ScanAngle columns, for a conversion. `kept`: the points that are written, in order.
+    /// `columns[k]` fills field k of `layout`; null: zeros. `packed`: what a conversion takes its fields from.
+    /// `kept`: the points that are written, in order.
     RecordMaker(RecordLayout layout, std::vector<std::shared_ptr<const Column>> columns, Conversion conversion,
-                std::array<std::shared_ptr<const Column>, 4> packed, std::vector<PointRange> kept);
+                PackedColumns packed, std::vector<PointRange> kept);
 
     const RecordLayout& layout() const noexcept { return m_layout; }
     PointIndex points() const noexcept { return m_points; }
@@ -44,9 +46,9 @@ private:
     RecordLayout m_layout;
     std::vector<std::shared_ptr<const Column>> m_columns;
     Conversion m_conversion;
-    std::array<std::shared_ptr<const Column>, 4> m_packed;
-    std::array<int, 4>
-        m_packedFields{};  ///< Returns, Classes/Flags, Classification, ScanAngle of m_layout; -1: none
+    PackedColumns m_packed;
+    int m_returns, m_flags, m_classes,
+        m_angle;  ///< fields of m_layout: Returns, Classes or Flags and so on; -1: none
     std::vector<PointRange> m_kept;
     std::vector<PointIndex> m_before;  ///< written points before each kept range
     PointIndex m_points = 0;
@@ -84,7 +86,8 @@ struct WritePlan {
 /// Header fields on the points (counts, by-return, bounds) are computed anew only when the points differ from those
 /// read (coordinates, returns, number), when the cloud was made here, or when format or version ask for other
 /// fields; creation date and software only when the record or the points change. Otherwise every byte stays.
-/// Throws Error, with counts, when the target format cannot hold the values; Cancelled.
+/// Throws Error, with counts, when the target format cannot hold the values; WriteQuestion, when the source's
+/// format cannot hold what was added or edited, and the options do not say that it may change; Cancelled.
 WritePlan planWrite(const PointCloud& cloud, const std::filesystem::path& target, const WriteOptions& options,
                     Progress& progress);
 

@@ -7,6 +7,7 @@
 #include "core/las/Leftovers.h"
 #include "core/las/Parallel.h"
 #include "core/las/SourceParser.h"
+#include "core/las/WaveformFile.h"
 #include "core/las/WritePlan.h"
 #include "core/task/Progress.h"
 
@@ -161,6 +162,17 @@ void setIndexAside(const AtomicFile& file, std::vector<std::string>& notes)
         notes.emplace_back("The .lax index beside it belonged to the old file; its name ends in .lax.old now.");
 }
 
+/// Packets in a file of their own go with the points to another name.
+std::unique_ptr<AtomicFile> writeWaveforms(const SourceFile* source, const RecordMaker& maker,
+                                           const AtomicFile& file, std::vector<std::string>& notes,
+                                           Progress& progress)
+{
+    const bool external = source != nullptr && hasWaveform(maker.layout().format) &&
+                          (source->header.globalEncoding() & kExternalWaveform) != 0;
+    const std::filesystem::path from = external ? source->current->get().path : std::filesystem::path();
+    return from.empty() ? nullptr : copyWaveforms(from, file, notes, progress);
+}
+
 }  // namespace
 
 bool isCompressedName(const std::filesystem::path& path)
@@ -203,6 +215,8 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
         file.sync();
         if (options.verify) verify(file, plan, written, progress);
         progress.check();
+        const auto waveforms = writeWaveforms(source.get(), maker, file, plan.notes, progress);
+        if (waveforms) waveforms->commit();
         const FileStamp stamp = file.commit();
         for (std::string& sentence : unfinishedSaves(file.target())) plan.notes.push_back(std::move(sentence));
         plan.notes.insert(plan.notes.end(), file.notes().begin(), file.notes().end());

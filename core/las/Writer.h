@@ -24,15 +24,20 @@ class WriteQuestion : public Error
 public:
     enum class Kind {
         TargetChanged,  ///< overwriteChanged
+        Upgrade,        ///< upgrade
     };
-    WriteQuestion(Kind kind, const std::filesystem::path& file, const std::string& sentence)
-        : Error(file, sentence), m_kind(kind)
+    WriteQuestion(Kind kind, const std::filesystem::path& file, const std::string& sentence,
+                  std::string becomes = {})
+        : Error(file, sentence), m_kind(kind), m_becomes(std::move(becomes))
     {
     }
     Kind kind() const noexcept { return m_kind; }
+    /// Upgrade: "point format 7 of LAS 1.4", which would hold all.
+    const std::string& becomes() const noexcept { return m_becomes; }
 
 private:
     Kind m_kind;
+    std::string m_becomes;
 };
 
 struct WriteOptions {
@@ -40,7 +45,8 @@ struct WriteOptions {
     std::optional<std::uint8_t> versionMinor;  ///< 2, 3 or 4; default: as the source, 4 for clouds made here
     std::optional<std::uint8_t> pointFormat;   ///< 0-10; default: as the source
     bool verify = true;                        ///< decode the written file and compare before it takes its name
-    bool overwriteChanged = false;             ///< replace the cloud's file though another program changed it since
+    bool upgrade = false;  ///< write another format or version where the source's cannot hold what is there now
+    bool overwriteChanged = false;  ///< replace the cloud's file though another program changed it since
     bool copyChunks = true;  ///< take compressed chunks that no edit touched from the file that holds the cloud
 };
 

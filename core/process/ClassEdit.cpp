@@ -2,13 +2,26 @@
 #include "core/process/ClassEdit.h"
 
 #include "core/Error.h"
-#include "core/las/SourceFile.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <array>
 #include <mutex>
 #include <string_view>
+#include <utility>
 
-namespace punctum {
+namespace punctum
+{
+
+namespace
+{
+
+constexpr std::uint32_t kLastClass = 255;
+constexpr PointIndex kGrain = 1 << 18;
+
+}  // namespace
 
 std::string classLabel(std::uint32_t code)
 {
@@ -47,21 +60,78 @@ Attribute classAttribute(const PointCloud& cloud, std::uint32_t code)
     if (found == nullptr || found->components != 1 || found->columns[0]->components() != 1 ||
         found->type() != ScalarType::U8)
         throw Error("This cloud has no classes; nothing can be classified.");
-    if (const std::uint64_t most = found->maxBits(); code > most) {
-        const std::string held = "holds classes 0 to " + std::to_string(most);
-        if (cloud.source() != nullptr && most == 31)
-            throw Error("Point format " + std::to_string(cloud.source()->layout.format) + " " + held + "; class " +
-                        std::to_string(code) + " needs point format 6 or later.");
-        throw Error("This cloud " + held + "; class " + std::to_string(code) + " does not fit.");
-    }
+    if (code > kLastClass) throw Error(std::to_string(code) + " is no class; classes are 0 to 255.");
     return *found;
 }
+
+namespace
+{
+
+/// Gives Classification a column of its own, of whole bytes, then sets the classes there.
+class WideClassCommand final : public Command
+{
+public:
+    WideClassCommand(std::string name, const Attribute& narrow, std::shared_ptr<const PointSet> points,
+                     std::uint32_t code)
+        : Command(name), m_narrow(narrow), m_wide(narrow)
+    {
+        m_wide.columns[0] = std::make_shared<Column>(narrow.name, ScalarType::U8, narrow.size());
+        m_wide.bitShift = m_wide.bitWidth = 0;
+        std::vector<std::byte> values(points->count(), std::byte(code));
+        m_edit = std::make_unique<ValueCommand>(std::move(name), m_wide, std::move(points), std::move(values));
+        m_notice.kind = ChangeNotice::Kind::Attributes;
+        m_notice.attributes.push_back(narrow.name);
+    }
+
+    PointIndex changedPoints() const noexcept override { return m_edit->changedPoints(); }
+
+    void apply(PointCloud& cloud) noexcept override
+    {
+        if (m_done) m_edit->apply(cloud);
+        {
+            const std::unique_lock lock(cloud.mutex());
+            if (!std::exchange(m_filled, true)) fill();
+            cloud.replaceAttribute(m_done ? m_narrow : m_wide);
+        }
+        cloud.notify(m_notice);
+        if (!m_done) m_edit->apply(cloud);
+        m_done = !m_done;
+    }
+
+    Effect effect() const override { return {{m_wide.columns[0]}, {m_wide}, {m_narrow}}; }
+    void cross(const Column& column, std::span<std::byte> values) const override { m_edit->cross(column, values); }
+
+private:
+    void fill() const
+    {
+        const std::uint8_t* const from = m_narrow.columns[0]->values<std::uint8_t>().data();
+        std::uint8_t* const to = m_wide.columns[0]->values<std::uint8_t>().data();
+        const auto mask = std::uint8_t(m_narrow.maxBits());
+        const unsigned shift = m_narrow.bitShift;
+        // Isolated: while it waits for its helpers, this thread must not pick up work that wants the lock it holds.
+        tbb::this_task_arena::isolate([&] {
+            tbb::parallel_for(tbb::blocked_range<PointIndex>(0, m_narrow.size(), kGrain), [=](const auto& r) {
+                for (PointIndex i = r.begin(); i < r.end(); ++i) to[i] = std::uint8_t((from[i] >> shift) & mask);
+            });
+        });
+    }
+
+    Attribute m_narrow, m_wide;
+    std::unique_ptr<ValueCommand> m_edit;
+    ChangeNotice m_notice;
+    bool m_filled = false;
+    bool m_done = false;
+};
+
+}  // namespace
 
 std::unique_ptr<Command> makeClassCommand(std::string name, const Attribute& classes,
                                           std::shared_ptr<const PointSet> points, std::uint32_t code)
 {
     const PointIndex count = points->count();
     if (count == 0) return nullptr;
+    if (code > classes.maxBits())
+        return std::make_unique<WideClassCommand>(std::move(name), classes, std::move(points), code);
     // ValueCommand takes from these bytes the bits of the class field alone, so that flags beside it need no copy.
     std::vector<std::byte> values(count, std::byte(code << classes.bitShift));
     return std::make_unique<ValueCommand>(std::move(name), classes, std::move(points), std::move(values));

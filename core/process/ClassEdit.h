@@ -7,18 +7,22 @@
 #include <memory>
 #include <string>
 
-namespace punctum {
+namespace punctum
+{
 
 /// What the steps that set classes share; private to them.
 
 /// "6 Building": code and name of an ASPRS class (LAS 1.4 R15, table 17); the code alone where it has no name.
 std::string classLabel(std::uint32_t code);
 
-/// The cloud's Classification, which holds `code`. Takes cloud.mutex() shared. Throws Error when the cloud has no
-/// classes, or when its field is too narrow for the code.
+/// The cloud's Classification. Takes cloud.mutex() shared. Throws Error when the cloud has no classes, or when
+/// `code` is no class.
 Attribute classAttribute(const PointCloud& cloud, std::uint32_t code);
 
-/// The command that gives the points the class; null for an empty set.
+/// The command that gives the points the class; null for an empty set. Where the field is too narrow for the code
+/// (point formats 0-5 hold classes up to 31) the command first widens it: Classification becomes a column of its
+/// own, with what the field holds when the command is done first. Saving then asks for a point format that can hold
+/// it. Throws Error (memory).
 std::unique_ptr<Command> makeClassCommand(std::string name, const Attribute& classes,
                                           std::shared_ptr<const PointSet> points, std::uint32_t code);
 

@@ -13,9 +13,11 @@
 #include <cmath>
 #include <mutex>
 
-namespace punctum {
+namespace punctum
+{
 
-namespace {
+namespace
+{
 
 constexpr std::size_t kBlock = 1 << 16;     ///< points; whole words of a PointSet
 constexpr std::size_t kSlab = kBlock * 32;  ///< points read under one lock
@@ -108,6 +110,7 @@ std::unique_ptr<Command> OutliersStep::run(const PointCloud& cloud, const StepVa
     const std::uint8_t* const byte = classes.columns[0]->values<std::uint8_t>().data();
     const auto mask = std::uint8_t(classes.maxBits() << classes.bitShift);
     const auto bits = std::uint8_t(code << classes.bitShift);
+    const bool beyond = code > classes.maxBits();  // the field cannot hold it: no point has it yet
     for (std::size_t slab = 0; slab < distances.size(); slab += kSlab) {
         progress.check();
         const std::size_t end = std::min(distances.size(), slab + kSlab);
@@ -116,7 +119,7 @@ std::unique_ptr<Command> OutliersStep::run(const PointCloud& cloud, const StepVa
             tbb::parallel_for(slab, end, kBlock, [&](std::size_t first) {
                 const std::size_t last = std::min(end, first + kBlock);
                 for (std::size_t i = first; i < last; ++i)
-                    if (double(distances[i]) > threshold && (byte[i] & mask) != bits) points->insert(i);
+                    if (double(distances[i]) > threshold && (beyond || (byte[i] & mask) != bits)) points->insert(i);
             });
         });
     }

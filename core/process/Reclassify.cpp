@@ -15,9 +15,11 @@
 #include <limits>
 #include <mutex>
 
-namespace punctum {
+namespace punctum
+{
 
-namespace {
+namespace
+{
 
 constexpr std::size_t kBlockWords = 1024;  ///< 65,536 points: one task
 constexpr std::size_t kSlabBlocks = 32;    ///< 2 M points: some 20 ms; between slabs an edit gets the lock
@@ -158,7 +160,11 @@ void matchWords(const Attribute& a, const RawRange<T>& range, double min, double
     const std::uint8_t* const byte = classes.columns[0]->values<std::uint8_t>().data();
     const std::uint8_t classMask = std::uint8_t(classes.maxBits() << classes.bitShift);
     const std::uint8_t classBits = std::uint8_t(code << classes.bitShift);
-    const auto other = [=](PointIndex i) { return std::uint8_t((byte[i] & classMask) != classBits); };
+    // A code that the field cannot hold is not there yet.
+    const std::uint8_t beyond = std::uint8_t(code > classes.maxBits());
+    const auto other = [=](PointIndex i) {
+        return std::uint8_t(std::uint8_t((byte[i] & classMask) != classBits) | beyond);
+    };
     if constexpr (std::is_floating_point_v<T>) {
         const bool scaled = a.scaled;
         const double scale = a.scale, offset = a.offset;

@@ -113,7 +113,14 @@ void ProgressiveRenderer::valuesChanged(const PointCloud& cloud, const ChangeNot
     const Attribute* const classes = cloud.findAttribute("Classification");
     const Attribute* shown = cloud.findAttribute(encoder->attribute().name);
     if (notice.kind == ChangeNotice::Kind::Attributes) {
-        if (shown != nullptr && shown->columns == encoder->attribute().columns) return;
+        if (shown != nullptr && shown->columns == encoder->attribute().columns) {
+            // What is shown is as it was; but points are hidden by classes, which may be another column now.
+            if (classes == nullptr || !notice.concerns(*classes)) return;
+            entry->store->markStale(nullptr);
+            if (!m_scene.allClassesVisible) m_redrawWhenFresh = true;
+            m_resolveNeeded = true;
+            return;
+        }
         if (shown == nullptr) shown = cloud.findAttribute(firstAttribute(cloud, {0, cloud.size()}));
         entry->store->show(*shown);
         m_rangeNeeded = true;

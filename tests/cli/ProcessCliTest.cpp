@@ -105,6 +105,29 @@ private slots:
         }
     }
 
+    void upgradesOnlyWhenTold()
+    {
+        const QString three = realFile("autzen_trim.las");
+        if (!QFile::exists(three)) QSKIP("autzen_trim.las is not here.");
+        QStringList arguments{"process",        three,    "-o",
+                              path("high.las"), "--step", "reclassify attribute=Z min=-1e9 max=1e9 class=64"};
+        const Outcome refused = runPunctum(arguments);
+        PUNCTUM_EXIT(refused, 1);
+        QVERIFY2(refused.err.contains("110000 points have a class above 31"), refused.said());
+        QVERIFY2(refused.err.contains("--upgrade"), refused.said());
+        QVERIFY(!QFile::exists(path("high.las")));
+        const Outcome upgraded = runPunctum(arguments << "--upgrade");
+        PUNCTUM_EXIT(upgraded, 0);
+        QVERIFY2(upgraded.err.contains("point format 7 of LAS 1.4"), upgraded.said());
+        const LaszipFile file(path("high.las"));
+        QCOMPARE(file.format(), 7);
+        QCOMPARE(file.forEach([](const laszip_point_struct& p) { QCOMPARE(int(p.extended_classification), 64); }),
+                 std::uint64_t(110000));
+        // where nothing needs it, it changes nothing
+        PUNCTUM_EXIT(runPunctum({"convert", three, path("same.las"), "--upgrade"}), 0);
+        QVERIFY(contentOf(path("same.las")) == contentOf(three));
+    }
+
     void saysWhatIsWrong_data()
     {
         QTest::addColumn<QString>("step");

@@ -16,7 +16,8 @@
 
 using namespace punctum;
 
-namespace {
+namespace
+{
 
 std::string errorOf(const std::function<void()>& work)
 {
@@ -147,7 +148,8 @@ Value numberOf(const std::string& text)
 
 }  // namespace
 
-class ProcessTest : public QObject {
+class ProcessTest : public QObject
+{
     Q_OBJECT
 
 private slots:
@@ -159,6 +161,7 @@ private slots:
     void reclassifyReadsBitFields();
     void reclassifyTakesTypedDecimals();
     void reclassifyKeepsFlagsAndUndoes();
+    void reclassifyWidensClasses();
     void reclassifyChangesNothingTwice();
     void reclassifyRefuses();
     void reclassifyCancels();
@@ -311,6 +314,49 @@ void ProcessTest::reclassifyKeepsFlagsAndUndoes()
     QVERIFY(snapshot(*cloud) == before);
 }
 
+/// A class that five bits cannot hold gets a column of its own; undone, all is as before.
+void ProcessTest::reclassifyWidensClasses()
+{
+    const auto cloud = makeFrame(70000, {}, true);
+    auto bytes = cloud->columns()[3]->values<std::uint8_t>();
+    std::mt19937 random(4);
+    for (auto& b : bytes) b = std::uint8_t(random());
+    const auto before = snapshot(*cloud);
+    const Attribute narrow = *cloud->findAttribute("Classification");
+    const auto placeOf = [&] { return cloud->findAttribute("Classification") - cloud->attributes().data(); };
+    const auto place = placeOf();
+    std::vector<ChangeNotice::Kind> notices;
+    const auto subscription = cloud->subscribe([&](const ChangeNotice& n) {
+        QCOMPARE(n.attributes, std::vector<std::string>{"Classification"});
+        notices.push_back(n.kind);
+    });
+
+    const auto wide = run(*cloud, "reclassify attribute=Withheld min=1 max=1 class=200");
+    QCOMPARE(wide->changedPoints(),
+             PointIndex(std::count_if(bytes.begin(), bytes.end(), [](auto b) { return b >> 7; })));
+    wide->apply(*cloud);
+    QCOMPARE(notices, (std::vector{ChangeNotice::Kind::Attributes, ChangeNotice::Kind::Values}));
+    QCOMPARE(placeOf(), place);
+    QCOMPARE(cloud->findAttribute("Classification")->maxBits(), std::uint64_t(255));
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+        QCOMPARE(toDouble(cloud->findAttribute("Classification")->value(i)),
+                 (bytes[i] & 0x80) != 0 ? 200.0 : double(bytes[i] & 31));
+    QVERIFY(run(*cloud, "reclassify attribute=Withheld min=1 max=1 class=200") == nullptr);
+
+    // the next edit is one of the wide column, and is undone before the widening
+    const auto next = run(*cloud, "reclassify attribute=Classification min=200 max=200 class=3");
+    QCOMPARE(next->changedPoints(), wide->changedPoints());
+    next->apply(*cloud);
+    next->apply(*cloud);
+    wide->apply(*cloud);
+    QVERIFY(snapshot(*cloud) == before);
+    QCOMPARE(placeOf(), place);
+    QVERIFY(cloud->findAttribute("Classification")->columns == narrow.columns);
+    wide->apply(*cloud);
+    QCOMPARE(toDouble(cloud->findAttribute("Classification")->value(0)),
+             (bytes[0] & 0x80) != 0 ? 200.0 : double(bytes[0] & 31));
+}
+
 void ProcessTest::reclassifyChangesNothingTwice()
 {
     const auto cloud = makeFrame(100);
@@ -329,13 +375,6 @@ void ProcessTest::reclassifyRefuses()
              QString("reclassify: this cloud has no attribute \"Height\"."));
     QCOMPARE(sentence("reclassify attribute=Z min=2 max=1 class=2"),
              QString("reclassify: min is 2, which is above max, 1."));
-    QCOMPARE(sentence("reclassify attribute=Z min=0 max=1 class=64"),
-             QString("This cloud holds classes 0 to 31; class 64 does not fit."));
-    auto source = std::make_shared<las::SourceFile>();
-    source->layout.format = 3;
-    cloud->setSource(source);
-    QCOMPARE(sentence("reclassify attribute=Z min=0 max=1 class=64"),
-             QString("Point format 3 holds classes 0 to 31; class 64 needs point format 6 or later."));
     for (const char* name : {"Red", "Green", "Blue"}) addScalar<std::uint16_t>(*cloud, name);
     addComposite(*cloud, "RGB", AttributeKind::Color, {"Red", "Green", "Blue"});
     QCOMPARE(sentence("reclassify attribute=RGB min=0 max=1 class=2"),

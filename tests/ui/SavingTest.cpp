@@ -3,6 +3,7 @@
 #include "UiTest.h"
 
 #include "core/las/Diff.h"
+#include "core/las/Reader.h"
 #include "core/task/Progress.h"
 #include "ui/MainMenu.h"
 #include "ui/MessageArea.h"
@@ -71,11 +72,11 @@ void answerFileDialog(QObject* context, const QString& path)
     timer->start(20);
 }
 
-/// Gives class 9 to a part of the points, and waits until that is done and counted.
-bool reclassify(TestWindow& test, Document& document, const char* low, const char* high)
+/// Gives a class to a part of the points, and waits until that is done and counted.
+bool reclassify(TestWindow& test, Document& document, const char* low, const char* high, const char* code = "9")
 {
     test.window->workspace().run(document, *findStep("reclassify"),
-                                 {{"attribute", "Z"}, {"min", low}, {"max", high}, {"class", "9"}});
+                                 {{"attribute", "Z"}, {"min", low}, {"max", high}, {"class", code}});
     return waitFor([&] { return !test.window->workspace().busy(); }) && test.settle();
 }
 
@@ -245,6 +246,41 @@ private slots:
         QVERIFY(file.readAll() == before);
         const las::Difference d = differenceOf(copy, copy);
         QVERIFY(d.contentEqual() && d.compared > 0);
+    }
+
+    void asksOnceForAnotherFormat()
+    {
+        NEED_DATA(kAutzen);
+        TestWindow test;
+        const QString path = test.folder.filePath(QStringLiteral("old.laz"));
+        QVERIFY(QFile::copy(dataFile(kAutzen), path));
+        QFile::setPermissions(path, QFile::ReadOwner | QFile::WriteOwner);
+        Document* document = test.open(path);
+        QVERIFY(document);
+        QCOMPARE(int(document->source().layout.format), 3);
+        QVERIFY(reclassify(test, *document, "406", "425", "200"));
+        QCOMPARE(document->findAttribute(QStringLiteral("Classification"))->maxBits(), std::uint64_t(255));
+        QVERIFY(document->classCounts() && (*document->classCounts())[200] == 20884);
+        for (const bool go : {false, true}) {
+            test.window->save();
+            QVERIFY(waitFor([&] { return shown<QMessageBox>("savingQuestion") != nullptr; }));
+            auto* box = shown<QMessageBox>("savingQuestion");
+            QCOMPARE(box->text(), QStringLiteral("Save as point format 7 of LAS 1.4?"));
+            QVERIFY2(box->informativeText().contains(QStringLiteral("20884 points have a class above 31")),
+                     qPrintable(box->informativeText()));
+            QTest::mouseClick(box->button(go ? QMessageBox::Save : QMessageBox::Cancel), Qt::LeftButton);
+            QVERIFY(waitFor([&] { return !test.window->workspace().busy() && document->modified() != go; }));
+        }
+        QVERIFY2(lastSentence(test).contains(QStringLiteral("point format 7")), qPrintable(lastSentence(test)));
+        // said once, done from then on
+        QVERIFY(reclassify(test, *document, "426", "440", "201"));
+        test.window->save();
+        QVERIFY(waitFor([&] { return !test.window->workspace().busy() && !document->modified(); }));
+        QVERIFY(shown<QMessageBox>("savingQuestion") == nullptr);
+        Progress progress;
+        const auto saved = las::load(toPath(path), progress);
+        QCOMPARE(int(saved->source()->layout.format), 7);
+        QCOMPARE(countValues(*saved->findAttribute("Classification"), progress)[200], std::uint64_t(20884));
     }
 
     void savesAlthoughThereIsNothingToCompareWith()

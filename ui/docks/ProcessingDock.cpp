@@ -188,7 +188,6 @@ void ProcessingDock::fillAttributes()
 
 void ProcessingDock::fillClasses()
 {
-    const std::uint32_t last = m_document ? las::maxClass(m_document->source().layout.format) : 255;
     for (Field& field : m_fields) {
         if (field.parameter.type != StepParameter::Type::ClassCode) continue;
         auto* box = static_cast<QComboBox*>(field.widget);
@@ -197,7 +196,7 @@ void ProcessingDock::fillClasses()
                                     ? QVariant(2)
                                     : QVariant(toQString(field.parameter.preset).toInt());
         box->clear();
-        for (unsigned code = 0; code <= last; ++code)
+        for (unsigned code = 0; code < render::asprsClasses().size(); ++code)
             box->addItem(swatchIcon(render::asprsClasses()[code].color), classText(code), int(code));
         box->setCurrentIndex(std::max(0, box->findData(chosen)));
     }

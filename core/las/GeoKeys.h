@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace punctum::las
+{
+
+struct Vlr;
+
+/// Records and keys of GeoTIFF 1.1 (annex B) that say a coordinate system in LAS.
+namespace geo
+{
+constexpr const char* kUser = "LASF_Projection";
+constexpr std::uint16_t kKeysId = 34735, kDoublesId = 34736, kAsciiId = 34737;
+constexpr std::uint16_t kModelType = 1024, kCitation = 1026, kGeographicType = 2048, kGeographicCitation = 2049,
+                        kProjectedType = 3072, kProjectedCitation = 3073, kLinearUnits = 3076, kVerticalType = 4096,
+                        kVerticalUnits = 4099;
+constexpr std::uint16_t kUserDefined = 32767, kModelGeographic = 2;
+}  // namespace geo
+
+/// The GeoTIFF keys of a file: four u16 a key (id, where, count, value), after four of header. Any bytes will do:
+/// what is not there is 0 or empty.
+class GeoKeys
+{
+public:
+    GeoKeys(const Vlr& keys, const Vlr* ascii);
+    /// Whether the header of the keys is what GeoTIFF asks for.
+    bool sound() const { return m_words.size() >= 4 && m_words[0] == 1; }
+    bool geographic() const { return number(geo::kModelType) == geo::kModelGeographic; }
+    std::uint16_t number(std::uint16_t id) const;
+    std::string text(std::uint16_t id) const;
+
+private:
+    const std::uint16_t* find(std::uint16_t id) const;
+
+    std::vector<std::uint16_t> m_words;
+    std::string m_ascii;
+};
+
+/// The same coordinate system in WKT (version 1, as LAS 1.4 asks for), by the PROJ library and its database. Empty
+/// when the keys do not name it by its code, when the code is unknown, or when they state units that are not the
+/// system's own: WKT that says something else would be worse than none. `name`: what it is, for people.
+std::string wktOf(const GeoKeys& keys, std::string& name);
+
+}  // namespace punctum::las
