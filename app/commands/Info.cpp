@@ -122,7 +122,7 @@ Json jsonOf(const FileInfo& info)
     return {{"file", info.file},
             {"points", info.cloud->size()},
             {"las_version", source.header.version()},
-            {"point_format", source.header.pointFormat()},
+            {"point_format", source.layout.shownFormat()},
             {"record_length", source.header.recordLength()},
             {"compressed", source.compressed},
             {"scale", jsonOf(info.cloud->coordinates().scale)},
@@ -216,10 +216,12 @@ std::string textOf(const FileInfo& info)
     out << info.file << '\n';
     std::vector<std::vector<std::string>> head;
     head.push_back({"Points", grouped(info.cloud->size())});
-    head.push_back({"Format", "LAS " + source.header.version() + ", point format " +
-                                  std::to_string(source.header.pointFormat()) + ", " +
-                                  std::to_string(source.header.recordLength()) + " bytes a point" +
-                                  (source.compressed ? ", compressed (LAZ)" : "")});
+    head.push_back(
+        {"Format",
+         "LAS " + source.header.version() + ", point format " + std::to_string(source.layout.shownFormat()) +
+             (source.layout.compatible ? " (stored as " + std::to_string(source.layout.format) + ")" : "") + ", " +
+             std::to_string(source.header.recordLength()) + " bytes a point" +
+             (source.compressed ? ", compressed (LAZ)" : "")});
     head.push_back({"File size", grouped(source.fileSize) + " bytes"});
     head.push_back({"CRS", source.crs.empty() ? "none given" : firstLine(source.crs)});
     out << table(head, {false, false});

@@ -130,7 +130,8 @@ CrsInfo readCrs(const SourceFile& source)
     if (wkt == nullptr) wkt = source.findVlr("liblas", kWktId);
     const Vlr* keys = source.findVlr(geo::kUser, geo::kKeysId);
     const Vlr* ascii = source.findVlr(geo::kUser, geo::kAsciiId);
-    const bool wktFirst = (source.header.globalEncoding() & 16) != 0 || isExtendedFormat(source.layout.format);
+    const bool wktFirst =
+        (source.header.globalEncoding() & 16) != 0 || isExtendedFormat(source.layout.shownFormat());
 
     CrsInfo info;
     const auto tryWkt = [&] { return wkt != nullptr && readWkt(*wkt, info); };

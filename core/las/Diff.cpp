@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/cloud/Buffer.h"
+#include "core/las/Compatible.h"
 #include "core/las/File.h"
 #include "core/las/Reader.h"
 #include "core/las/RecordComparer.h"
@@ -267,6 +268,7 @@ SourceFile plannedSource(WritePlan& plan, const CoordinateScale& coordinates)
     std::vector<std::string> ignored;
     s.layout = makeLayout(plan.maker->layout().format, plan.maker->layout().length, s.extraBytesRecords(),
                           coordinates, ignored);
+    useCompatibility(s, s.layout, ignored);
     return s;
 }
 
@@ -331,9 +333,11 @@ SavePreview previewSave(const PointCloud& cloud, const std::filesystem::path& or
                         const std::vector<AttributeChange>* changes)
 {
     progress.begin("Comparing with the file", 0);
+    storeCompatible(cloud);
     const auto reader = Reader::open(original);
     const std::shared_lock lock(cloud.mutex());
-    WritePlan plan = planWrite(cloud, target, options, progress);
+    const auto native = nativeCloud(cloud, options.pointFormat);
+    WritePlan plan = planWrite(native ? *native : cloud, target, options, progress);
     const SourceFile& x = *reader->source();
     if (x.pointCount != cloud.size())
         throw Error(original, "The file no longer holds the points that were read from it.");

@@ -70,6 +70,7 @@ private:
         for (const std::shared_ptr<const Column> c : m_cloud.columns()) {
             const int f = m_from.find(c->name());
             if (f >= 0 && m_from.fields[std::size_t(f)].offset < standard) continue;
+            if (m_from.isDerived(c->name())) continue;
             if (isIn(m_standard, c) || isIn(m_plan.columns, c)) continue;
             if (c->components() > 1)
                 addOpaque(*c);

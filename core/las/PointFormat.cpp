@@ -183,14 +183,16 @@ int RecordLayout::find(std::string_view column) const noexcept
     return -1;
 }
 
+bool RecordLayout::isDerived(std::string_view column) const noexcept
+{
+    for (const RecordField& f : derived)
+        if (f.column == column) return true;
+    return false;
+}
+
 std::uint16_t standardRecordLength(std::uint8_t format) noexcept
 {
     return format <= kLastPointFormat ? kStandardLengths[format] : std::uint16_t(0);
-}
-
-std::uint32_t maxClass(std::uint8_t format) noexcept
-{
-    return isExtendedFormat(format) ? 255 : 31;
 }
 
 RecordLayout makeLayout(std::uint8_t format, std::uint16_t length, std::span<const Vlr* const> extraBytesRecords,
@@ -231,6 +233,8 @@ RecordLayout makeLayout(std::uint8_t format, std::uint16_t length, std::span<con
 void makeColumns(PointCloud& cloud, const RecordLayout& layout)
 {
     for (const RecordField& f : layout.fields)
+        cloud.addColumn(std::make_shared<Column>(f.column, f.type, cloud.size(), f.components));
+    for (const RecordField& f : layout.derived)
         cloud.addColumn(std::make_shared<Column>(f.column, f.type, cloud.size(), f.components));
     for (std::size_t k = 0; k < layout.attributes.size(); ++k) {
         Attribute a = layout.attributes[k];

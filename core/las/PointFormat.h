@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,6 +28,17 @@ struct RecordField {
     std::uint32_t bytes() const { return std::uint32_t(components * sizeOf(type)); }
 };
 
+/// Where the fields of LAS 1.4 are in records of an older format: indices into RecordLayout::fields.
+struct CompatibleFields {
+    std::uint8_t format = 0;  ///< that the records stand for, 6 to 10
+    std::int32_t returns = -1, classes = -1, rank = -1;
+    std::int32_t angle = -1, extraReturns = -1, extraClass = -1, extraFlags = -1;  ///< in extra bytes
+    std::int32_t nir = -1;                                                         ///< -1: none
+};
+
+/// What the names of columns end in that are derived from others: "Returns (1.4)".
+constexpr const char* kDerivedEnding = " (1.4)";
+
 /// How a point record maps to columns: field k of the record is column k of the cloud. Fields cover the whole
 /// record without overlap, in rising order of offset.
 ///
@@ -36,11 +48,26 @@ struct RecordLayout {
     std::uint8_t format = 0;   ///< point data record format, 0-10
     std::uint16_t length = 0;  ///< record length in bytes, extra bytes included
     std::vector<RecordField> fields;
-    std::vector<Attribute> attributes;                         ///< without columns: filled by makeColumns
-    std::vector<std::array<std::int32_t, 3>> attributeFields;  ///< index into fields per component, -1: none
+    std::vector<Attribute> attributes;  ///< without columns: filled by makeColumns
+    /// Index into fields per component, then on into `derived`; -1: none.
+    std::vector<std::array<std::int32_t, 3>> attributeFields;
+    /// Columns of what other columns mean, after those of the fields; not in the record (see Compatible.h).
+    std::vector<RecordField> derived;
+    std::optional<CompatibleFields> compatible;
 
     /// Index of the field of that name, -1 when there is none.
     int find(std::string_view column) const noexcept;
+    /// The field or derived column that attributeFields names.
+    const RecordField& field(std::int32_t index) const
+    {
+        const auto k = std::size_t(index);
+        return k < fields.size() ? fields[k] : derived[k - fields.size()];
+    }
+    bool isDerived(std::string_view column) const noexcept;
+    /// Index of the column that holds the return numbers that are shown.
+    std::size_t returnsColumn() const noexcept { return compatible ? fields.size() : std::size_t(find("Returns")); }
+    /// The format whose attributes are shown: `format`, but for files in compatibility mode.
+    std::uint8_t shownFormat() const noexcept { return compatible ? compatible->format : format; }
 };
 
 /// Bytes of the standard part of a record of this format (LAS 1.4 R15, tables 6-16); 0 for unknown formats.
@@ -76,8 +103,5 @@ RecordLayout makeLayout(std::uint8_t format, std::uint16_t length, std::span<con
 
 /// Adds the layout's columns and attributes (and RGB, Normal) to an empty cloud.
 void makeColumns(PointCloud& cloud, const RecordLayout& layout);
-
-/// Highest class code that records of this format can hold: 31 or 255.
-std::uint32_t maxClass(std::uint8_t format) noexcept;
 
 }  // namespace punctum::las

@@ -2,6 +2,7 @@
 #include "core/las/Reader.h"
 
 #include "core/Error.h"
+#include "core/las/Compatible.h"
 #include "core/las/ExtraBytesRange.h"
 #include "core/las/File.h"
 #include "core/las/Parallel.h"
@@ -278,19 +279,22 @@ struct Seen {
 ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& sink) const
 {
     const RecordLayout& layout = m_source->layout;
-    if (cloud.size() != m_source->pointCount || cloud.columns().size() < layout.fields.size())
+    const std::size_t all = layout.fields.size() + layout.derived.size();
+    if (cloud.size() != m_source->pointCount || cloud.columns().size() < all)
         throw Error(m_source->path, "The points do not fit the cloud they are read into.");
     progress.begin("Reading points", m_source->pointCount);
-    const auto returnsField = std::size_t(layout.find("Returns"));
-    const std::uint8_t returnMask = isExtendedFormat(layout.format) ? 15 : 7;
+    const auto returnsField = std::size_t(layout.returnsColumn());
+    const std::uint8_t returnMask = isExtendedFormat(layout.shownFormat()) ? 15 : 7;
     tbb::enumerable_thread_specific<Seen> seen;
 
     Receiver receiver;
     receiver.records = [&](PointRange range, std::span<const std::byte> records) {
-        std::vector<std::byte*> columns(layout.fields.size());
-        for (std::size_t k = 0; k < columns.size(); ++k)
-            columns[k] = cloud.columns()[k]->data() + range.first * layout.fields[k].bytes();
-        deinterleave(layout, records.data(), std::size_t(range.size()), columns);
+        std::vector<std::byte*> columns(all);
+        for (std::size_t k = 0; k < all; ++k)
+            columns[k] = cloud.columns()[k]->data() + range.first * layout.field(std::int32_t(k)).bytes();
+        deinterleave(layout, records.data(), std::size_t(range.size()),
+                     std::span(columns).first(layout.fields.size()));
+        decodeCompatible(layout, columns, std::size_t(range.size()));
     };
     receiver.arrived = [&](PointRange range) {
         const std::int32_t* const axes[3] = {cloud.rawX().data() + range.first, cloud.rawY().data() + range.first,
@@ -300,8 +304,8 @@ ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& 
         if (sink) sink(range);
     };
     receiver.withdrawn = [&](PointRange range) {
-        for (std::size_t k = 0; k < layout.fields.size(); ++k) {
-            const std::size_t bytes = layout.fields[k].bytes();
+        for (std::size_t k = 0; k < all; ++k) {
+            const std::size_t bytes = layout.field(std::int32_t(k)).bytes();
             std::memset(cloud.columns()[k]->data() + range.first * bytes, 0, std::size_t(range.size()) * bytes);
         }
     };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "core/las/RecordComparer.h"
 
+#include "core/las/Compatible.h"
+
 #include <algorithm>
 #include <bit>
 #include <charconv>
@@ -25,7 +27,7 @@ constexpr std::size_t kClassicClassByte = 15;
 Place placeOf(const RecordLayout& layout, std::size_t attribute)
 {
     const Attribute& a = layout.attributes[attribute];
-    const RecordField& f = layout.fields[std::size_t(layout.attributeFields[attribute][0])];
+    const RecordField& f = layout.field(layout.attributeFields[attribute][0]);
     Place p;
     p.there = true;
     p.offset = f.offset;
@@ -162,7 +164,7 @@ void RecordComparer::Tally::add(const Tally& other)
 }
 
 RecordComparer::RecordComparer(const RecordLayout& a, const RecordLayout& b)
-    : m_lengthA(a.length), m_lengthB(b.length), m_same(sameLayout(a, b))
+    : m_a(a), m_b(b), m_same(sameLayout(a, b))
 {
     const auto find = [](const RecordLayout& layout, const std::string& name) {
         for (std::size_t k = 0; k < layout.attributes.size(); ++k)
@@ -171,7 +173,7 @@ RecordComparer::RecordComparer(const RecordLayout& a, const RecordLayout& b)
     };
     const auto onlyOne = [&](Pair& pair, const RecordLayout& other) {
         pair.rule = Rule::Present;
-        if (isExtendedFormat(other.format)) return;
+        if (isExtendedFormat(other.shownFormat())) return;
         // The older formats say these in another way, or mean zero.
         pair.implied = pair.name == "Overlap" || pair.name == "ScannerChannel";
         if (pair.name == "Overlap") pair.rule = Rule::Overlap;
@@ -183,7 +185,7 @@ RecordComparer::RecordComparer(const RecordLayout& a, const RecordLayout& b)
         if (const int other = find(b, pair.name); other >= 0) {
             pair.b = placeOf(b, std::size_t(other));
             chooseRule(pair);
-            if (pair.name == "ScanAngle" && isExtendedFormat(a.format) != isExtendedFormat(b.format))
+            if (pair.name == "ScanAngle" && isExtendedFormat(a.shownFormat()) != isExtendedFormat(b.shownFormat()))
                 pair.rule = Rule::Angle;
         } else {
             onlyOne(pair, b);
@@ -280,17 +282,30 @@ bool RecordComparer::differs(const Pair& pair, const std::byte* a, const std::by
     return false;
 }
 
-void RecordComparer::compare(const std::byte* a, const std::byte* b, std::size_t count, PointIndex first,
-                             Tally& tally) const
+const std::byte* RecordComparer::expanded(const RecordLayout& layout, const std::byte* record,
+                                          std::vector<std::byte>& scratch)
 {
-    if (m_same && std::memcmp(a, b, count * m_lengthA) == 0) return;
+    if (!layout.compatible) return record;
+    scratch.resize(layout.derived.back().offset + layout.derived.back().bytes());
+    expandCompatible(layout, record, scratch.data());
+    return scratch.data();
+}
+
+void RecordComparer::compare(const std::byte* recordsA, const std::byte* recordsB, std::size_t count,
+                             PointIndex first, Tally& tally) const
+{
+    if (m_same && std::memcmp(recordsA, recordsB, count * m_a.length) == 0) return;
     if (tally.counts.empty()) {
         tally.counts.resize(m_pairs.size());
         tally.a.resize(m_pairs.size());
         tally.b.resize(m_pairs.size());
     }
-    for (std::size_t i = 0; i < count; ++i, a += m_lengthA, b += m_lengthB) {
-        if (m_same && std::memcmp(a, b, m_lengthA) == 0) continue;
+    std::vector<std::byte> scratchA, scratchB;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::byte *a = recordsA + i * m_a.length, *b = recordsB + i * m_b.length;
+        if (m_same && std::memcmp(a, b, m_a.length) == 0) continue;
+        a = expanded(m_a, a, scratchA);
+        b = expanded(m_b, b, scratchB);
         bool any = false;
         for (std::size_t k = 0; k < m_pairs.size(); ++k) {
             const Pair& pair = m_pairs[k];

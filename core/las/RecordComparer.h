@@ -81,8 +81,12 @@ private:
     bool differs(const Pair& pair, const std::byte* a, const std::byte* b) const;
     ToldValue told(const Place& place, const std::byte* record) const;
 
+    /// The record with what it means behind it, where the layout has such columns.
+    static const std::byte* expanded(const RecordLayout& layout, const std::byte* record,
+                                     std::vector<std::byte>& scratch);
+
+    RecordLayout m_a, m_b;
     std::vector<Pair> m_pairs;
-    std::uint16_t m_lengthA = 0, m_lengthB = 0;
     bool m_same = false;  ///< the layouts are equal: equal records need no further look
 };
 

@@ -2,6 +2,7 @@
 #include "core/las/SourceParser.h"
 
 #include "core/Error.h"
+#include "core/las/Compatible.h"
 #include "core/las/Crs.h"
 #include "core/las/File.h"
 #include "core/las/Leftovers.h"
@@ -54,6 +55,7 @@ public:
         }();
         m_s.layout =
             makeLayout(m_s.header.pointFormat(), m_s.header.recordLength(), records, m_s.coordinates, m_s.warnings);
+        useCompatibility(m_s, m_s.layout, m_s.warnings);
         describe();
         sample();
         for (const std::string& sentence : unfinishedSaves(m_s.path)) warn(sentence);
@@ -328,8 +330,10 @@ private:
         if (isExtendedFormat(m_s.layout.format) && (encoding & 16) == 0)
             warn("Point format " + text(m_s.layout.format) +
                  " asks for a coordinate system in WKT, but the file does not announce one.");
-        if (m_s.findVlr("lascompatible", 22204) != nullptr && !isExtendedFormat(m_s.layout.format))
-            warn("The file is in LAS 1.4 compatibility mode: its LAS 1.4 fields are shown as extra bytes.");
+        if (m_s.layout.compatible)
+            warn("The file holds LAS 1.4 (point format " + text(m_s.layout.shownFormat()) +
+                 ") in the form of LAS " + m_s.header.version() + " (point format " + text(m_s.layout.format) +
+                 ", LASzip's compatibility mode); saving keeps that form.");
         if (hasWaveform(m_s.layout.format) && (encoding & kExternalWaveform) != 0) describeWaveform();
     }
 

@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/Text.h"
+#include "core/las/Compatible.h"
 #include "core/las/ExtraBytesPlan.h"
 #include "core/las/ExtraBytesRange.h"
 #include "core/las/GeoKeys.h"
@@ -499,8 +500,9 @@ private:
 
     Summary summarize() const
     {
-        const auto returns = column("Returns");
-        const std::uint8_t mask = isExtendedFormat(m_source->layout.format) ? 15 : 7;
+        const RecordLayout& from = m_source->layout;
+        const auto returns = from.compatible ? column(from.derived.front().column) : column("Returns");
+        const std::uint8_t mask = isExtendedFormat(from.shownFormat()) ? 15 : 7;
         return reducePoints<Summary>(m_kept, m_progress, [&](Summary& s, PointRange r) {
             const std::int32_t* axes[] = {m_cloud.rawX().data(), m_cloud.rawY().data(), m_cloud.rawZ().data()};
             std::int32_t low[3], high[3];
@@ -533,6 +535,11 @@ private:
         const bool moved = (m_minor >= 4) != (m_source->header.versionMinor() >= 4) ||
                            isExtendedFormat(m_format) != isExtendedFormat(m_source->layout.format);
         if (changed || moved) setCounts(now);
+        if (changed && m_source->layout.compatible)
+            for (auto* list : {&m_vlrs, &m_plan.evlrs})
+                for (Vlr& vlr : *list)
+                    if (vlr.is(kCompatibleUser, kCompatibleRecordId))
+                        setCompatibleCounts(vlr, m_points, now.byReturn);
         if (changed) {
             setBounds(now.bounds);
             m_restructured = true;

@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "core/las/AtomicFile.h"
 #include "core/las/ChunkWriter.h"
+#include "core/las/Compatible.h"
 #include "core/las/Leftovers.h"
 #include "core/las/Parallel.h"
 #include "core/las/SourceParser.h"
@@ -183,11 +184,13 @@ bool isCompressedName(const std::filesystem::path& path)
 WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, const WriteOptions& options,
                   Progress& progress)
 {
+    storeCompatible(cloud);
     const std::shared_lock lock(cloud.mutex());
     progress.begin("Preparing", 0);
     try {
         if (!options.overwriteChanged) askIfChanged(cloud, path);
-        WritePlan plan = planWrite(cloud, path, options, progress);
+        const auto native = nativeCloud(cloud, options.pointFormat);
+        WritePlan plan = planWrite(native ? *native : cloud, path, options, progress);
         const RecordMaker& maker = *plan.maker;
         const std::uint64_t begin = plan.prefix.size();
         const std::uint64_t plainEnd = begin + maker.points() * maker.layout().length;

@@ -211,6 +211,56 @@ inline Bytes recordsByLaszip(const std::filesystem::path& path, std::uint8_t for
     return records;
 }
 
+/// Fills LASzip's point from a record.
+inline void setPoint(laszip_point& point, const std::byte* r, std::uint8_t format, std::uint16_t length)
+{
+    auto u8 = [&](std::size_t at) { return unsigned(r[at]); };
+    std::memcpy(&point.X, r, 4);
+    std::memcpy(&point.Y, r + 4, 4);
+    std::memcpy(&point.Z, r + 8, 4);
+    std::memcpy(&point.intensity, r + 12, 2);
+    std::size_t at = 20;
+    point.scan_direction_flag = laszip_U8(u8(format < 6 ? 14 : 15) >> 6 & 1);
+    point.edge_of_flight_line = laszip_U8(u8(format < 6 ? 14 : 15) >> 7);
+    if (format < 6) {
+        point.return_number = laszip_U8(u8(14) & 7);
+        point.number_of_returns = laszip_U8(u8(14) >> 3 & 7);
+        point.classification = laszip_U8(u8(15) & 31);
+        point.synthetic_flag = laszip_U8(u8(15) >> 5 & 1);
+        point.keypoint_flag = laszip_U8(u8(15) >> 6 & 1);
+        point.withheld_flag = laszip_U8(u8(15) >> 7);
+        std::memcpy(&point.scan_angle_rank, r + 16, 1);
+        point.user_data = laszip_U8(u8(17));
+        std::memcpy(&point.point_source_ID, r + 18, 2);
+    } else {
+        point.extended_point_type = 1;
+        point.extended_return_number = laszip_U8(u8(14) & 15);
+        point.extended_number_of_returns = laszip_U8(u8(14) >> 4);
+        point.return_number = laszip_U8(std::min(7u, u8(14) & 15));
+        point.number_of_returns = laszip_U8(std::min(7u, u8(14) >> 4));
+        point.extended_classification_flags = laszip_U8(u8(15) & 15);
+        point.extended_scanner_channel = laszip_U8(u8(15) >> 4 & 3);
+        point.synthetic_flag = laszip_U8(u8(15) & 1);
+        point.keypoint_flag = laszip_U8(u8(15) >> 1 & 1);
+        point.withheld_flag = laszip_U8(u8(15) >> 2 & 1);
+        point.extended_classification = laszip_U8(u8(16));
+        point.classification = laszip_U8(u8(16) < 32 ? u8(16) : 0);
+        point.user_data = laszip_U8(u8(17));
+        std::memcpy(&point.extended_scan_angle, r + 18, 2);
+        std::memcpy(&point.point_source_ID, r + 20, 2);
+        at = 22;
+    }
+    const auto take = [&](void* to, std::size_t n) {
+        std::memcpy(to, r + at, n);
+        at += n;
+    };
+    if (format == 1 || format >= 3) take(&point.gps_time, 8);
+    if (format == 2 || format == 3 || format == 5 || format == 7 || format == 8 || format == 10) take(point.rgb, 6);
+    if (format == 8 || format == 10) take(&point.rgb[3], 2);
+    if (format == 4 || format == 5 || format == 9 || format == 10) take(point.wave_packet, 29);
+    if (length > recordLength(format)) take(point.extra_bytes, length - recordLength(format));
+}
+
 /// The point part of a LAZ file (table position relative to its start, chunks, table) as LASzip writes it serially.
 inline Bytes compressedByLaszip(std::uint8_t format, std::uint16_t length, const Bytes& records,
                                 std::uint32_t chunkSize, Bytes* vlr = nullptr)
@@ -233,52 +283,7 @@ inline Bytes compressedByLaszip(std::uint8_t format, std::uint16_t length, const
     check(laszip, laszip_get_point_pointer(laszip, &point));
     for (std::size_t i = 0; i * length < records.size(); ++i) {
         const std::byte* r = records.data() + i * length;
-        auto u8 = [&](std::size_t at) { return unsigned(r[at]); };
-        std::memcpy(&point->X, r, 4);
-        std::memcpy(&point->Y, r + 4, 4);
-        std::memcpy(&point->Z, r + 8, 4);
-        std::memcpy(&point->intensity, r + 12, 2);
-        std::size_t at = 20;
-        point->scan_direction_flag = laszip_U8(u8(format < 6 ? 14 : 15) >> 6 & 1);
-        point->edge_of_flight_line = laszip_U8(u8(format < 6 ? 14 : 15) >> 7);
-        if (format < 6) {
-            point->return_number = laszip_U8(u8(14) & 7);
-            point->number_of_returns = laszip_U8(u8(14) >> 3 & 7);
-            point->classification = laszip_U8(u8(15) & 31);
-            point->synthetic_flag = laszip_U8(u8(15) >> 5 & 1);
-            point->keypoint_flag = laszip_U8(u8(15) >> 6 & 1);
-            point->withheld_flag = laszip_U8(u8(15) >> 7);
-            std::memcpy(&point->scan_angle_rank, r + 16, 1);
-            point->user_data = laszip_U8(u8(17));
-            std::memcpy(&point->point_source_ID, r + 18, 2);
-        } else {
-            point->extended_point_type = 1;
-            point->extended_return_number = laszip_U8(u8(14) & 15);
-            point->extended_number_of_returns = laszip_U8(u8(14) >> 4);
-            point->return_number = laszip_U8(std::min(7u, u8(14) & 15));
-            point->number_of_returns = laszip_U8(std::min(7u, u8(14) >> 4));
-            point->extended_classification_flags = laszip_U8(u8(15) & 15);
-            point->extended_scanner_channel = laszip_U8(u8(15) >> 4 & 3);
-            point->synthetic_flag = laszip_U8(u8(15) & 1);
-            point->keypoint_flag = laszip_U8(u8(15) >> 1 & 1);
-            point->withheld_flag = laszip_U8(u8(15) >> 2 & 1);
-            point->extended_classification = laszip_U8(u8(16));
-            point->classification = laszip_U8(u8(16) < 32 ? u8(16) : 0);
-            point->user_data = laszip_U8(u8(17));
-            std::memcpy(&point->extended_scan_angle, r + 18, 2);
-            std::memcpy(&point->point_source_ID, r + 20, 2);
-            at = 22;
-        }
-        const auto take = [&](void* to, std::size_t n) {
-            std::memcpy(to, r + at, n);
-            at += n;
-        };
-        if (format == 1 || format >= 3) take(&point->gps_time, 8);
-        if (format == 2 || format == 3 || format == 5 || format == 7 || format == 8 || format == 10)
-            take(point->rgb, 6);
-        if (format == 8 || format == 10) take(&point->rgb[3], 2);
-        if (format == 4 || format == 5 || format == 9 || format == 10) take(point->wave_packet, 29);
-        if (length > recordLength(format)) take(point->extra_bytes, length - recordLength(format));
+        setPoint(*point, r, format, length);
         check(laszip, laszip_write_point(laszip));
     }
     check(laszip, laszip_close_writer(laszip));

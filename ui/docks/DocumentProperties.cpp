@@ -78,7 +78,10 @@ std::vector<PropertySection> documentProperties(const Document& document)
                                    .arg(countText(document.points()), countText(document.missingPoints()))}}});
     sections.push_back({tr("Format"),
                         {{tr("LAS version"), toQString(source.header.version())},
-                         {tr("Point format"), QString::number(source.layout.format)},
+                         {tr("Point format"), source.layout.compatible ? tr("%1, stored as %2 (compatibility mode)")
+                                                                             .arg(source.layout.shownFormat())
+                                                                             .arg(source.layout.format)
+                                                                       : QString::number(source.layout.format)},
                          {tr("Record length"), tr("%1 bytes").arg(source.layout.length)},
                          {tr("Compressed"), source.compressed ? tr("yes, LAZ") : tr("no")}}});
     PropertySection place{tr("Coordinates"),
