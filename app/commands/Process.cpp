@@ -39,8 +39,19 @@ std::string_view nameOf(StepParameter::Type type)
             return "attribute";
         case StepParameter::Type::ClassCode:
             return "class";
+        case StepParameter::Type::Rule:
+            return "rule";
+        case StepParameter::Type::Choice:
+            return "choice";
     }
     return "";
+}
+
+std::string joined(const std::vector<std::string>& words)
+{
+    std::string text;
+    for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+    return text;
 }
 
 Json jsonOfSteps()
@@ -57,6 +68,7 @@ Json jsonOfSteps()
                                   {"min", p.min},
                                   {"max", p.max},
                                   {"optional", p.optional},
+                                  {"choices", p.choices},
                                   {"unit", p.unit}});
         all.push_back(
             {{"name", step->name()}, {"title", step->title()}, {"help", step->help()}, {"parameters", parameters}});
@@ -73,6 +85,7 @@ std::string textOfSteps()
             std::string key = "    " + p.key + "=" + std::string(nameOf(p.type));
             key.resize(std::max<std::size_t>(key.size() + 2, 28), ' ');
             text += key + p.help;
+            if (!p.choices.empty()) text += " One of " + joined(p.choices) + ".";
             if (!p.unit.empty()) text += " Unit: " + p.unit + ".";
             if (!p.preset.empty())
                 text += " Default: " + p.preset + ".";
@@ -96,8 +109,10 @@ std::vector<std::string> joinedSteps(const std::vector<std::string>& words)
             steps.push_back(word);
         else if (space == std::string::npos)
             steps.back() += ' ' + word;
-        else
-            steps.back() += ' ' + word.substr(0, equals + 1) + '"' + word.substr(equals + 1) + '"';
+        else {
+            const char mark = word.find('"') == std::string::npos ? '"' : '\'';
+            steps.back() += ' ' + word.substr(0, equals + 1) + mark + word.substr(equals + 1) + mark;
+        }
     }
     return steps;
 }

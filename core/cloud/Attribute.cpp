@@ -141,8 +141,30 @@ std::uint64_t Attribute::maxBits() const noexcept
 void Attribute::read(PointRange range, double* out, std::uint32_t component) const
 {
     visitScalar(columns[component]->type(), [&](auto zero) {
-        const RawReader<decltype(zero)> raw(*this, component);
-        for (PointIndex i = range.first; i < range.last; ++i) *out++ = numberOf(*this, raw(i));
+        using T = decltype(zero);
+        const RawReader<T> raw(*this, component);
+        if (noData || raw.stride != 1) {
+            for (PointIndex i = range.first; i < range.last; ++i) *out++ = numberOf(*this, raw(i));
+            return;
+        }
+        // said apart, so that they become loops over vectors
+        const T* const values = raw.data + range.first;
+        const auto n = std::size_t(range.size());
+        const double factor = scale, base = offset;
+        if constexpr (std::is_integral_v<T>) {
+            using U = std::make_unsigned_t<T>;
+            const U mask = U((std::uint64_t(1) << raw.width) - 1);  // of all ones or none, where it is not used
+            if (raw.width != 0 && !scaled) {
+                for (std::size_t k = 0; k < n; ++k) out[k] = double(T(U(U(values[k]) >> raw.shift) & mask));
+                return;
+            }
+        }
+        if (scaled && raw.width != 0)
+            for (std::size_t k = 0; k < n; ++k) out[k] = numberOf(*this, raw(range.first + k));
+        else if (scaled)
+            for (std::size_t k = 0; k < n; ++k) out[k] = double(values[k]) * factor + base;
+        else
+            for (std::size_t k = 0; k < n; ++k) out[k] = double(values[k]);
     });
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/process/Outliers.h"
 
-#include "core/process/ClassEdit.h"
+#include "core/edit/ClassCommand.h"
 #include "core/process/Neighbors.h"
 #include "core/process/Values.h"
 #include "core/task/Progress.h"

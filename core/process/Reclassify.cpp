@@ -2,16 +2,13 @@
 #include "core/process/Reclassify.h"
 
 #include "core/Error.h"
-#include "core/process/ClassEdit.h"
+#include "core/cloud/Slabs.h"
+#include "core/edit/ClassCommand.h"
 #include "core/process/Values.h"
 #include "core/task/Progress.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <mutex>
 
@@ -20,9 +17,6 @@ namespace punctum
 
 namespace
 {
-
-constexpr std::size_t kBlockWords = 1024;  ///< 65,536 points: one task
-constexpr std::size_t kSlabBlocks = 32;    ///< 2 M points: some 20 ms; between slabs an edit gets the lock
 
 /// Raw values from `min` to `max`, both included, less one: how a column's values are matched.
 template <typename T>
@@ -120,19 +114,6 @@ RawRange<T> rawRange(const Attribute& a, Value min, Value max)
             },
             *a.noData);
     return range;
-}
-
-/// 64 bytes of 0 or 1 -> 64 bits.
-std::uint64_t packFlags(const std::uint8_t* flags)
-{
-    std::uint64_t word = 0;
-    for (unsigned b = 0; b < 8; ++b) {
-        std::uint64_t eight;
-        std::memcpy(&eight, flags + 8 * b, sizeof eight);
-        // the product's top byte gathers the low bit of each of the eight bytes
-        word |= ((eight * 0x0102040810204080u) >> 56) << (8 * b);
-    }
-    return word;
 }
 
 /// Sets the bits of words [firstWord, lastWord) for which match(i) is 1; match must not branch, to be vectorised.
@@ -258,27 +239,14 @@ std::unique_ptr<Command> ReclassifyStep::run(const PointCloud& cloud, const Step
 
     progress.begin("Reclassifying", cloud.size());
     auto points = std::make_shared<PointSet>(cloud.size());
-    const std::size_t words = points->words().size();
     visitScalar(attribute.type(), [&](auto zero) {
         using T = decltype(zero);
         const auto range = rawRange<T>(attribute, min, max);
         if (range.empty) return;
-        const std::size_t slabWords = kSlabBlocks * kBlockWords;
-        for (std::size_t slab = 0; slab < words; slab += slabWords) {
-            progress.check();
-            const std::size_t slabEnd = std::min(words, slab + slabWords);
-            // One lock a slab, by this thread alone: readers that overlap would keep a waiting edit out for good.
-            const std::shared_lock lock(cloud.mutex());
-            tbb::this_task_arena::isolate([&] {
-                tbb::parallel_for(slab, slabEnd, kBlockWords, [&](std::size_t first) {
-                    matchWords<T>(attribute, range, realMin, realMax, classes, std::uint8_t(code), *points, first,
-                                  std::min(slabEnd, first + kBlockWords));
-                });
-            });
-            progress.add(std::min<PointIndex>(PointIndex(slabEnd) * 64, cloud.size()) - PointIndex(slab) * 64);
-        }
+        forEachSlab(cloud, progress, [&](std::size_t first, std::size_t last) {
+            matchWords<T>(attribute, range, realMin, realMax, classes, std::uint8_t(code), *points, first, last);
+        });
     });
-    progress.check();
     return makeClassCommand("Reclassify to " + classLabel(code), classes, std::move(points), code);
 }
 

@@ -2,9 +2,11 @@
 #include "core/process/Step.h"
 
 #include "core/Error.h"
+#include "core/expression/Rule.h"
 #include "core/process/Normals.h"
 #include "core/process/Outliers.h"
 #include "core/process/Reclassify.h"
+#include "core/process/SetByRule.h"
 #include "core/process/Values.h"
 
 #include <algorithm>
@@ -81,6 +83,9 @@ std::string numberText(double number)
 std::string demand(const StepParameter& p)
 {
     if (p.type == StepParameter::Type::AttributeName) return "the name of an attribute";
+    if (p.type == StepParameter::Type::Rule) return "a rule such as Classification = 2 if Z < 12.5";
+    if (p.type == StepParameter::Type::Choice)
+        return "one of " + enumerate(p.choices, [](const std::string& choice) { return choice; });
     std::string text = p.type == StepParameter::Type::Real ? "a number" : "a whole number";
     if (p.type == StepParameter::Type::ClassCode) return text + " from 0 to 255";
     if (p.min < p.max) text += " from " + numberText(p.min) + " to " + numberText(p.max);
@@ -92,6 +97,11 @@ void checkValue(const Step& step, const StepParameter& p, const std::string& tex
     bool fits = false;
     if (p.type == StepParameter::Type::AttributeName) {
         fits = !text.empty();
+    } else if (p.type == StepParameter::Type::Rule) {
+        fits = !text.empty();
+        if (fits) expression::Rule{text};  // refuses by itself, and says where
+    } else if (p.type == StepParameter::Type::Choice) {
+        fits = std::find(p.choices.begin(), p.choices.end(), text) != p.choices.end();
     } else if (const auto number = parseNumber(text)) {
         const double v = toDouble(*number);
         const bool whole = !std::holds_alternative<double>(*number);
@@ -149,7 +159,8 @@ std::span<const Step* const> allSteps()
     static const NormalsStep normals;
     static const OutliersStep outliers;
     static const ReclassifyStep reclassify;
-    static const std::array<const Step*, 3> steps{&normals, &outliers, &reclassify};
+    static const SetByRuleStep setByRule;
+    static const std::array<const Step*, 4> steps{&normals, &outliers, &reclassify, &setByRule};
     return steps;
 }
 

@@ -16,7 +16,7 @@ class Progress;
 
 /// One parameter of a processing step, as the panel shows it and the command line names it.
 struct StepParameter {
-    enum class Type { Integer, Real, AttributeName, ClassCode };
+    enum class Type { Integer, Real, AttributeName, ClassCode, Rule, Choice };
     std::string key;          ///< "k"
     std::string label;        ///< "Neighbors"
     std::string help;         ///< one line
@@ -26,6 +26,7 @@ struct StepParameter {
     double max = 0.0;
     bool optional = false;
     std::string unit;
+    std::vector<std::string> choices;  ///< of a Choice
 };
 
 using StepValues = std::map<std::string, std::string, std::less<>>;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "ui/docks/ProcessingDock.h"
 
+#include "core/Error.h"
+#include "core/expression/Rule.h"
 #include "core/las/PointFormat.h"
 #include "render/color/ColorMap.h"
 #include "ui/Text.h"
@@ -39,6 +41,16 @@ QIcon swatchIcon(render::Rgba8 color)
     painter.setBrush(QColor(color.r, color.g, color.b));
     painter.drawRoundedRect(QRectF(1, 1, 12, 12), 3, 3);
     return QIcon(pixmap);
+}
+
+/// The attribute that a rule sets; empty for a text that is no rule, which the step will say.
+QString targetOfRule(const QString& text)
+{
+    try {
+        return toQString(expression::Rule(text.toStdString()).target());
+    } catch (const Error&) {
+        return {};
+    }
 }
 
 }  // namespace
@@ -142,9 +154,12 @@ void ProcessingDock::buildFields()
     for (StepParameter& parameter : chosen->parameters()) {
         Field field;
         using Type = StepParameter::Type;
-        if (parameter.type == Type::AttributeName || parameter.type == Type::ClassCode) {
+        if (parameter.type == Type::AttributeName || parameter.type == Type::ClassCode ||
+            parameter.type == Type::Choice) {
             auto* box = new QComboBox;
             box->setMaxVisibleItems(18);
+            if (parameter.type == Type::Choice && parameter.optional) box->addItem(tr("none"), QString());
+            for (const std::string& choice : parameter.choices) box->addItem(toQString(choice), toQString(choice));
             field.widget = box;
         } else {
             auto* edit = new QLineEdit(toQString(parameter.preset));
@@ -208,7 +223,10 @@ QString ProcessingDock::valueOf(const Field& field) const
         case StepParameter::Type::AttributeName:
             return static_cast<QComboBox*>(field.widget)->currentText();
         case StepParameter::Type::ClassCode:
+        case StepParameter::Type::Choice:
             return static_cast<QComboBox*>(field.widget)->currentData().toString();
+        case StepParameter::Type::Rule:
+            return static_cast<QLineEdit*>(field.widget)->text().trimmed();
         case StepParameter::Type::Integer:
         case StepParameter::Type::Real:
             break;
@@ -255,6 +273,9 @@ void ProcessingDock::run()
     }
     m_result->clear();
     m_runningStep = toQString(chosen->name());
+    m_target = QStringLiteral("Classification");
+    for (const Field& field : m_fields)
+        if (field.parameter.type == StepParameter::Type::Rule) m_target = targetOfRule(valueOf(field));
     m_job = m_workspace.run(*m_document, *chosen, values);
     updateState();
 }
@@ -315,7 +336,7 @@ void ProcessingDock::ended(quint64 job, const QString& title, quint64 changed, c
         if (wanted.isEmpty() || (attribute && attribute->components == 3)) wanted = name;
     }
     if (wanted.isEmpty() && m_runningStep == QLatin1String("normals")) wanted = QStringLiteral("Normal");
-    if (wanted.isEmpty()) wanted = QStringLiteral("Classification");
+    if (wanted.isEmpty()) wanted = m_target;
     emit showAttribute(wanted);
 }
 

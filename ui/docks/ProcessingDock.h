@@ -71,6 +71,7 @@ private:
     std::vector<Field> m_fields;
     JobId m_job = 0;
     QString m_runningStep;
+    QString m_target;  ///< attribute that it sets
 };
 
 }  // namespace punctum::ui

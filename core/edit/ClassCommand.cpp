@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/process/ClassEdit.h"
+#include "core/edit/ClassCommand.h"
 
 #include "core/Error.h"
 
@@ -7,9 +7,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include <array>
+#include <algorithm>
 #include <mutex>
-#include <string_view>
 #include <utility>
 
 namespace punctum
@@ -22,36 +21,6 @@ constexpr std::uint32_t kLastClass = 255;
 constexpr PointIndex kGrain = 1 << 18;
 
 }  // namespace
-
-std::string classLabel(std::uint32_t code)
-{
-    static constexpr std::array<std::string_view, 23> kNames = {"Never Classified",
-                                                                "Unclassified",
-                                                                "Ground",
-                                                                "Low Vegetation",
-                                                                "Medium Vegetation",
-                                                                "High Vegetation",
-                                                                "Building",
-                                                                "Low Noise",
-                                                                "",
-                                                                "Water",
-                                                                "Rail",
-                                                                "Road Surface",
-                                                                "",
-                                                                "Wire Guard",
-                                                                "Wire Conductor",
-                                                                "Transmission Tower",
-                                                                "Wire Connector",
-                                                                "Bridge Deck",
-                                                                "High Noise",
-                                                                "Overhead Structure",
-                                                                "Ignored Ground",
-                                                                "Snow",
-                                                                "Temporal Exclusion"};
-    std::string label = std::to_string(code);
-    if (code < kNames.size() && !kNames[code].empty()) label += " " + std::string(kNames[code]);
-    return label;
-}
 
 Attribute classAttribute(const PointCloud& cloud, std::uint32_t code)
 {
@@ -72,13 +41,12 @@ class WideClassCommand final : public Command
 {
 public:
     WideClassCommand(std::string name, const Attribute& narrow, std::shared_ptr<const PointSet> points,
-                     std::uint32_t code)
+                     std::vector<std::byte> codes)
         : Command(name), m_narrow(narrow), m_wide(narrow)
     {
         m_wide.columns[0] = std::make_shared<Column>(narrow.name, ScalarType::U8, narrow.size());
         m_wide.bitShift = m_wide.bitWidth = 0;
-        std::vector<std::byte> values(points->count(), std::byte(code));
-        m_edit = std::make_unique<ValueCommand>(std::move(name), m_wide, std::move(points), std::move(values));
+        m_edit = std::make_unique<ValueCommand>(std::move(name), m_wide, std::move(points), std::move(codes));
         m_notice.kind = ChangeNotice::Kind::Attributes;
         m_notice.attributes.push_back(narrow.name);
     }
@@ -130,11 +98,20 @@ std::unique_ptr<Command> makeClassCommand(std::string name, const Attribute& cla
 {
     const PointIndex count = points->count();
     if (count == 0) return nullptr;
-    if (code > classes.maxBits())
-        return std::make_unique<WideClassCommand>(std::move(name), classes, std::move(points), code);
+    return makeClassCommand(std::move(name), classes, std::move(points),
+                            std::vector<std::byte>(count, std::byte(code)));
+}
+
+std::unique_ptr<Command> makeClassCommand(std::string name, const Attribute& classes,
+                                          std::shared_ptr<const PointSet> points, std::vector<std::byte> codes)
+{
+    if (codes.empty()) return nullptr;
+    const auto most = std::byte(classes.maxBits());
+    if (std::any_of(codes.begin(), codes.end(), [=](std::byte code) { return code > most; }))
+        return std::make_unique<WideClassCommand>(std::move(name), classes, std::move(points), std::move(codes));
     // ValueCommand takes from these bytes the bits of the class field alone, so that flags beside it need no copy.
-    std::vector<std::byte> values(count, std::byte(code << classes.bitShift));
-    return std::make_unique<ValueCommand>(std::move(name), classes, std::move(points), std::move(values));
+    for (std::byte& code : codes) code <<= classes.bitShift;
+    return std::make_unique<ValueCommand>(std::move(name), classes, std::move(points), std::move(codes));
 }
 
 }  // namespace punctum

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/cloud/ClassNames.h"
 #include "core/edit/Command.h"
 
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace punctum
 {
 
-/// What the steps that set classes share; private to them.
-
-/// "6 Building": code and name of an ASPRS class (LAS 1.4 R15, table 17); the code alone where it has no name.
-std::string classLabel(std::uint32_t code);
+/// What steps and tools that set classes share.
 
 /// The cloud's Classification. Takes cloud.mutex() shared. Throws Error when the cloud has no classes, or when
 /// `code` is no class.
@@ -25,5 +24,8 @@ Attribute classAttribute(const PointCloud& cloud, std::uint32_t code);
 /// it. Throws Error (memory).
 std::unique_ptr<Command> makeClassCommand(std::string name, const Attribute& classes,
                                           std::shared_ptr<const PointSet> points, std::uint32_t code);
+/// The same for points of several classes: a code of each point, in rising index order.
+std::unique_ptr<Command> makeClassCommand(std::string name, const Attribute& classes,
+                                          std::shared_ptr<const PointSet> points, std::vector<std::byte> codes);
 
 }  // namespace punctum

@@ -1,0 +1,540 @@
+// SPDX-License-Identifier: MIT
+#include "core/cloud/ClassNames.h"
+#include "core/expression/ExpressionError.h"
+#include "core/expression/Program.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+namespace punctum::expression
+{
+
+namespace
+{
+
+using Op = Node::Op;
+using Type = Node::Type;
+using Kind = Syntax::Kind;
+
+struct Function {
+    std::string_view name;
+    std::size_t arguments;
+    double (*call)(double, double);
+    bool integral = false;  ///< gives whole numbers
+};
+
+/// Functions of numbers; abs, min, max, floor, ceil, round, trunc, clamp and exists know wide integers, too.
+constexpr auto kFunctions = std::to_array<Function>({
+    {"floor", 1, [](double a, double) { return std::floor(a); }, true},
+    {"ceil", 1, [](double a, double) { return std::ceil(a); }, true},
+    {"round", 1, [](double a, double) { return std::round(a); }, true},
+    {"trunc", 1, [](double a, double) { return std::trunc(a); }, true},
+    {"sign", 1, [](double a, double) { return a > 0   ? 1.0
+                                              : a < 0 ? -1.0
+                                                      : a; }, true},
+    {"sqrt", 1, [](double a, double) { return std::sqrt(a); }},
+    {"exp", 1, [](double a, double) { return std::exp(a); }},
+    {"log", 1, [](double a, double) { return std::log(a); }},
+    {"log10", 1, [](double a, double) { return std::log10(a); }},
+    {"sin", 1, [](double a, double) { return std::sin(a); }},
+    {"cos", 1, [](double a, double) { return std::cos(a); }},
+    {"tan", 1, [](double a, double) { return std::tan(a); }},
+    {"asin", 1, [](double a, double) { return std::asin(a); }},
+    {"acos", 1, [](double a, double) { return std::acos(a); }},
+    {"atan", 1, [](double a, double) { return std::atan(a); }},
+    {"atan2", 2, [](double a, double b) { return std::atan2(a, b); }},
+    {"hypot", 2, [](double a, double b) { return std::hypot(a, b); }},
+    {"degrees", 1, [](double a, double) { return a * (180.0 / std::numbers::pi); }},
+    {"radians", 1, [](double a, double) { return a * (std::numbers::pi / 180.0); }},
+});
+
+constexpr std::array<std::string_view, 5> kOtherFunctions = {"abs", "min", "max", "clamp", "exists"};
+
+char small(char c)
+{
+    return char(std::tolower(static_cast<unsigned char>(c)));
+}
+
+bool sameWord(std::string_view a, std::string_view b)
+{
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return small(x) == small(y); });
+}
+
+/// How many letters have to be put in, left out or exchanged to make one word of the other (Levenshtein), letters
+/// small or large.
+std::size_t distance(std::string_view a, std::string_view b)
+{
+    std::vector<std::size_t> row(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        std::size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            const std::size_t exchanged = diagonal + (small(a[i]) != small(b[j]) ? 1 : 0);
+            diagonal = row[j + 1];
+            row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, exchanged});
+        }
+    }
+    return row.back();
+}
+
+/// "; did you mean NormalZ?", or nothing when no name is similar.
+template <typename Names>
+std::string suggestion(std::string_view word, const Names& names)
+{
+    constexpr std::size_t kLongest = 64;  // of a word that somebody may have mistyped
+    if (word.size() > kLongest) return ".";
+    std::string best;
+    std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
+    for (const auto& name : names) {
+        if (name.size() > kLongest) continue;
+        if (const std::size_t d = distance(word, name); d < least) {
+            least = d;
+            best = name;
+        }
+    }
+    return best.empty() ? std::string(".") : "; did you mean " + quotedName(best) + "?";
+}
+
+bool isWide(const Attribute& a)
+{
+    return !a.scaled && a.bitWidth == 0 && (a.type() == ScalarType::I64 || a.type() == ScalarType::U64);
+}
+
+Node makeNode(Op op, Type type, std::size_t byte, std::vector<Node> children)
+{
+    Node node;
+    node.op = op;
+    node.type = type;
+    node.byte = byte;
+    node.children = std::move(children);
+    return node;
+}
+
+template <typename... Children>
+std::vector<Node> list(Children&&... children)
+{
+    std::vector<Node> all;
+    all.reserve(sizeof...(children));
+    (all.push_back(std::move(children)), ...);
+    return all;
+}
+
+Node numberNode(double number, std::size_t byte)
+{
+    Node node;
+    node.byte = byte;
+    node.number = number;
+    node.integral = number == std::floor(number) && std::abs(number) <= 0x1p53;
+    return node;
+}
+
+/// What does not depend on a point is computed once.
+Node folded(Node node)
+{
+    const auto constant = [](const Node& n) { return n.op == Op::Constant; };
+    if (node.type == Type::Condition || node.children.empty() ||
+        !std::all_of(node.children.begin(), node.children.end(), constant))
+        return node;
+    Evaluator evaluator({});
+    Node result;
+    result.type = node.type;
+    result.byte = node.byte;
+    result.integral = node.integral;
+    if (node.type == Type::Wide) {
+        std::vector<Int128> out(kBlockPoints);
+        evaluator.wide(node, {0, 1}, out.data());
+        result.wide = out[0];
+    } else {
+        std::vector<double> out(kBlockPoints);
+        evaluator.number(node, {0, 1}, out.data());
+        result.number = out[0];
+    }
+    return result;
+}
+
+Node toNumber(Node node)
+{
+    if (node.type != Type::Wide) return node;
+    const std::size_t byte = node.byte;
+    Node made = makeNode(Op::ToNumber, Type::Number, byte, list(std::move(node)));
+    made.integral = true;
+    return folded(std::move(made));
+}
+
+Node toWide(Node node)
+{
+    if (node.type == Type::Wide) return node;
+    const std::size_t byte = node.byte;
+    Node made = makeNode(Op::ToWide, Type::Wide, byte, list(std::move(node)));
+    made.integral = true;
+    return folded(std::move(made));
+}
+
+class Binder
+{
+public:
+    explicit Binder(Bindings& bindings) : m_bindings(bindings) {}
+
+    Node condition(const Syntax& s)
+    {
+        Node node = any(s, false);
+        if (node.type == Type::Condition) return node;
+        // a flag is a condition by itself; of other numbers a comparison was forgotten
+        if (node.op == Op::Load && m_bindings.attributes[node.attribute].bitWidth == 1) {
+            const std::size_t byte = node.byte;
+            return makeNode(Op::Equal, Type::Condition, byte, list(std::move(node), numberNode(1, byte)));
+        }
+        fail(s.byte, "this is a number, where a condition is needed, such as Classification == 2.");
+    }
+
+    Node value(const Syntax& s, bool classes)
+    {
+        Node node = any(s, classes);
+        if (node.type == Type::Condition) fail(s.byte, "this is a condition, where a number is needed.");
+        return node;
+    }
+
+private:
+    [[noreturn]] void fail(std::size_t byte, const std::string& sentence) const
+    {
+        throw ExpressionError(m_bindings.text, byte, sentence);
+    }
+
+    Node any(const Syntax& s, bool classes)
+    {
+        switch (s.kind) {
+            case Kind::Number:
+                return literal(s);
+            case Kind::Name:
+                return name(s, classes);
+            case Kind::Call:
+                return call(s);
+            case Kind::Negate: {
+                Node child = value(s.children[0], false);
+                const Type type = child.type;
+                const bool integral = child.integral;
+                Node node = makeNode(Op::Negate, type, s.byte, list(std::move(child)));
+                node.integral = integral;
+                return folded(std::move(node));
+            }
+            case Kind::Arithmetic:
+                return arithmetic(s);
+            case Kind::Compare:
+                return comparison(s);
+            case Kind::In:
+                return within(s);
+            case Kind::Not:
+                return makeNode(Op::Not, Type::Condition, s.byte, list(condition(s.children[0])));
+            case Kind::And:
+            case Kind::Or: {
+                Node node = makeNode(s.kind == Kind::And ? Op::And : Op::Or, Type::Condition, s.byte, {});
+                for (const Syntax& child : s.children) node.children.push_back(condition(child));
+                return node;
+            }
+            case Kind::Conditional:
+                break;
+        }
+        Node yes = value(s.children[0], classes), no = value(s.children[2], classes);
+        Node decides = condition(s.children[1]);
+        alike(yes, no);
+        const Type type = yes.type;
+        const bool integral = yes.integral && no.integral;
+        Node node = makeNode(Op::Choose, type, s.byte, list(std::move(yes), std::move(decides), std::move(no)));
+        node.integral = integral;
+        return node;
+    }
+
+    Node literal(const Syntax& s)
+    {
+        Node node = numberNode(toDouble(s.number), s.byte);
+        if (std::holds_alternative<double>(s.number)) return node;
+        const Int128 exact = std::visit([](auto v) { return Int128(v); }, s.number);
+        if (exact > (Int128(1) << 53)) {
+            node.type = Type::Wide;
+            node.wide = exact;
+        }
+        node.integral = true;
+        return node;
+    }
+
+    Node name(const Syntax& s, bool classes)
+    {
+        if (m_bindings.cloud->findAttribute(s.text) == nullptr) {
+            if (classes)
+                if (const auto code = classOfName(s.text)) return numberNode(double(*code), s.byte);
+            if (!s.quoted && sameWord(s.text, "pi")) return numberNode(std::numbers::pi, s.byte);
+        }
+        const Attribute& attribute = findScalar(s.text, s.byte, m_bindings);
+        auto& all = m_bindings.attributes;
+        const auto it = std::find_if(all.begin(), all.end(), [&](const auto& a) { return a.name == s.text; });
+        Node node;
+        node.op = Op::Load;
+        node.byte = s.byte;
+        node.attribute = std::uint32_t(it - all.begin());
+        node.integral = attribute.integral();
+        if (isWide(attribute)) node.type = Type::Wide;
+        if (it == all.end()) all.push_back(attribute);
+        return node;
+    }
+
+    /// Two values that are to be put together: both wide integers, or both numbers.
+    static void alike(Node& a, Node& b)
+    {
+        if (a.type == b.type) return;
+        if (a.integral && b.integral) {
+            a = toWide(std::move(a));
+            b = toWide(std::move(b));
+        } else {
+            a = toNumber(std::move(a));
+            b = toNumber(std::move(b));
+        }
+    }
+
+    Node arithmetic(const Syntax& s)
+    {
+        Node a = value(s.children[0], false), b = value(s.children[1], false);
+        Op op = Op::Add;
+        if (s.text == "-") op = Op::Subtract;
+        if (s.text == "*") op = Op::Multiply;
+        if (s.text == "/") op = Op::Divide;
+        if (s.text == "//") op = Op::FloorDivide;
+        if (s.text == "%") op = Op::Modulo;
+        if (s.text == "**") op = Op::Power;
+        const bool real = op == Op::Divide || op == Op::Power;
+        if (real) {
+            a = toNumber(std::move(a));
+            b = toNumber(std::move(b));
+        } else {
+            alike(a, b);
+        }
+        const Type type = a.type;
+        const bool integral = op == Op::FloorDivide || (!real && a.integral && b.integral);
+        Node node = makeNode(op, type, s.byte, list(std::move(a), std::move(b)));
+        node.integral = integral;
+        return folded(std::move(node));
+    }
+
+    bool isClass(const Syntax& s) const
+    {
+        const Attribute* const a = s.kind == Kind::Name ? m_bindings.cloud->findAttribute(s.text) : nullptr;
+        return a != nullptr && a->kind == AttributeKind::Class;
+    }
+
+    Node comparison(const Syntax& s)
+    {
+        const bool classes = isClass(s.children[0]) || isClass(s.children[1]);
+        Node a = value(s.children[0], classes), b = value(s.children[1], classes);
+        Op op = Op::Equal;
+        if (s.text == "!=") op = Op::Unequal;
+        if (s.text == "<") op = Op::Less;
+        if (s.text == "<=") op = Op::LessEqual;
+        if (s.text == ">") op = Op::Greater;
+        if (s.text == ">=") op = Op::GreaterEqual;
+        const auto mirrored = [&] {
+            std::swap(a, b);
+            if (op == Op::Less)
+                op = Op::Greater;
+            else if (op == Op::LessEqual)
+                op = Op::GreaterEqual;
+            else if (op == Op::Greater)
+                op = Op::Less;
+            else if (op == Op::GreaterEqual)
+                op = Op::LessEqual;
+        };
+        if (a.op == Op::Constant && b.op == Op::Load) mirrored();
+        if (const Attribute* const scaled = scaledLoad(a); scaled != nullptr && b.op == Op::Constant) {
+            const double raw = unscaled(*scaled, toNumber(b).number);
+            a.op = Op::LoadRaw;
+            b = numberNode(raw, b.byte);
+            if (scaled->scale < 0) {  // the order of the stored integers is the other one
+                mirrored();
+                std::swap(a, b);
+            }
+        } else if (a.type != b.type) {
+            if (a.integral && b.integral)
+                alike(a, b);
+            else if (a.type == Type::Number)
+                mirrored();
+        }
+        return makeNode(op, Type::Condition, s.byte, list(std::move(a), std::move(b)));
+    }
+
+    Node within(const Syntax& s)
+    {
+        const bool classes = isClass(s.children[0]);
+        Node node = makeNode(Op::Within, Type::Condition, s.byte, list(value(s.children[0], classes)));
+        for (std::size_t k = 1; k < s.children.size(); ++k) node.children.push_back(value(s.children[k], classes));
+        for (std::size_t k = 1; k + 1 < node.children.size(); k += 2) {
+            const Node &low = node.children[k], &high = node.children[k + 1];
+            if (low.op == Op::Constant && high.op == Op::Constant && toNumber(low).number > toNumber(high).number)
+                fail(low.byte, "the range begins above its end.");
+        }
+        const auto constant = [](const Node& n) { return n.op == Op::Constant; };
+        const Attribute* const scaled = scaledLoad(node.children[0]);
+        if (scaled != nullptr && std::all_of(node.children.begin() + 1, node.children.end(), constant)) {
+            node.children[0].op = Op::LoadRaw;
+            for (std::size_t k = 1; k < node.children.size(); ++k)
+                node.children[k] =
+                    numberNode(unscaled(*scaled, toNumber(node.children[k]).number), node.children[k].byte);
+            if (scaled->scale < 0)
+                for (std::size_t k = 1; k < node.children.size(); k += 2)
+                    std::swap(node.children[k], node.children[k + 1]);
+            return node;
+        }
+        // one wide integer makes all of them wide, one number that is none makes all of them numbers
+        const auto wide = [](const Node& n) { return n.type == Type::Wide; };
+        const auto whole = [](const Node& n) { return n.integral; };
+        if (std::any_of(node.children.begin(), node.children.end(), wide)) {
+            if (std::all_of(node.children.begin(), node.children.end(), whole)) {
+                for (Node& child : node.children) child = toWide(std::move(child));
+            } else if (wide(node.children[0])) {
+                for (std::size_t k = 1; k < node.children.size(); ++k) bound(node.children[k], k % 2 == 1);
+            } else {
+                for (Node& child : node.children) child = toNumber(std::move(child));
+            }
+        }
+        return node;
+    }
+
+    /// A bound of a range of wide integers: the first whole number inside it.
+    void bound(Node& node, bool low)
+    {
+        if (node.integral) {
+            node = toWide(std::move(node));
+            return;
+        }
+        const std::size_t byte = node.byte;
+        Node whole = makeNode(Op::Function, Type::Number, byte, list(std::move(node)));
+        whole.function =
+            low ? +[](double a, double) { return std::ceil(a); } : +[](double a, double) { return std::floor(a); };
+        whole.integral = true;
+        node = toWide(folded(std::move(whole)));
+    }
+
+    /// The attribute when the node is one of scaled integers, whose steps are taken for what is displayed.
+    const Attribute* scaledLoad(const Node& node) const
+    {
+        if (node.op != Op::Load) return nullptr;
+        const Attribute& a = m_bindings.attributes[node.attribute];
+        const bool sound = std::isfinite(a.scale) && a.scale != 0.0 && std::isfinite(a.offset);
+        return a.scaled && sound && !isFloating(a.type()) ? &a : nullptr;
+    }
+
+    /// The stored integer of a value. Bounds are typed in decimals while scale factors are binary fractions: what
+    /// is within a millionth of a step is that step.
+    static double unscaled(const Attribute& a, double v)
+    {
+        const double raw = (v - a.offset) / a.scale;
+        const double nearest = std::round(raw);
+        return std::abs(raw - nearest) <= 1e-6 ? nearest : raw;
+    }
+
+    Node call(const Syntax& s)
+    {
+        std::string key;
+        for (const char c : s.text) key += small(c);
+        const auto demand = [&](std::size_t least, std::size_t most) {
+            const std::size_t n = s.children.size();
+            if (n >= least && n <= most) return;
+            const std::string wanted = most > 3     ? "two or more values"
+                                       : least == 1 ? "one value"
+                                       : least == 2 ? "two values"
+                                                    : "three values";
+            fail(s.byte, s.text + "() takes " + wanted + ".");
+        };
+        if (key == "exists") {
+            demand(1, 1);
+            return makeNode(Op::Exists, Type::Condition, s.byte, list(value(s.children[0], false)));
+        }
+        if (key == "abs") {
+            demand(1, 1);
+            return same(Op::Absolute, s.byte, value(s.children[0], false));
+        }
+        if (key == "min" || key == "max") {
+            demand(2, kMostArguments);
+            Node node = value(s.children[0], false);
+            for (std::size_t k = 1; k < s.children.size(); ++k)
+                node = extreme(key == "min" ? Op::Minimum : Op::Maximum, s.byte, std::move(node),
+                               value(s.children[k], false));
+            return node;
+        }
+        if (key == "clamp") {
+            demand(3, 3);
+            Node node = extreme(Op::Maximum, s.byte, value(s.children[0], false), value(s.children[1], false));
+            return extreme(Op::Minimum, s.byte, std::move(node), value(s.children[2], false));
+        }
+        const auto it = std::find_if(kFunctions.begin(), kFunctions.end(), [&](auto& f) { return f.name == key; });
+        if (it == kFunctions.end()) {
+            std::vector<std::string> names(kOtherFunctions.begin(), kOtherFunctions.end());
+            for (const Function& f : kFunctions) names.emplace_back(f.name);
+            fail(s.byte, "there is no function \"" + s.text + "\"" + suggestion(s.text, names));
+        }
+        demand(it->arguments, it->arguments);
+        Node first = value(s.children[0], false);
+        if (it->integral && first.integral && key != "sign") return first;  // floor of a whole number
+        Node node = makeNode(Op::Function, Type::Number, s.byte, list(toNumber(std::move(first))));
+        for (std::size_t k = 1; k < s.children.size(); ++k)
+            node.children.push_back(toNumber(value(s.children[k], false)));
+        node.function = it->call;
+        node.integral = it->integral;
+        return folded(std::move(node));
+    }
+
+    static Node same(Op op, std::size_t byte, Node child)
+    {
+        const Type type = child.type;
+        const bool integral = child.integral;
+        Node node = makeNode(op, type, byte, list(std::move(child)));
+        node.integral = integral;
+        return folded(std::move(node));
+    }
+
+    static Node extreme(Op op, std::size_t byte, Node a, Node b)
+    {
+        alike(a, b);
+        const Type type = a.type;
+        const bool integral = a.integral && b.integral;
+        Node node = makeNode(op, type, byte, list(std::move(a), std::move(b)));
+        node.integral = integral;
+        return folded(std::move(node));
+    }
+
+    static constexpr std::size_t kMostArguments = 100;
+    Bindings& m_bindings;
+};
+
+}  // namespace
+
+Node bindValue(const Syntax& syntax, Bindings& bindings, bool classes)
+{
+    return Binder(bindings).value(syntax, classes);
+}
+
+Node bindCondition(const Syntax& syntax, Bindings& bindings)
+{
+    return Binder(bindings).condition(syntax);
+}
+
+const Attribute& findScalar(const std::string& name, std::size_t byte, const Bindings& bindings)
+{
+    const auto fail = [&](const std::string& sentence) { throw ExpressionError(bindings.text, byte, sentence); };
+    const Attribute* const found = bindings.cloud->findAttribute(name);
+    if (found == nullptr) {
+        std::vector<std::string> names;
+        for (const Attribute& a : bindings.cloud->attributes()) names.push_back(a.name);
+        fail("there is no attribute \"" + name + "\"" + suggestion(name, names));
+    }
+    if (found->components != 1)
+        fail(name + " has three components; name one of them, such as " + found->columns[0]->name() + ".");
+    if (found->kind == AttributeKind::Opaque || found->columns[0]->components() != 1)
+        fail(name + " holds bytes that the file does not describe.");
+    return *found;
+}
+
+}  // namespace punctum::expression

@@ -1,0 +1,419 @@
+// SPDX-License-Identifier: MIT
+#include "core/expression/Program.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+namespace punctum::expression
+{
+
+namespace
+{
+
+using Op = Node::Op;
+using Type = Node::Type;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr Int128 kWideLimit = Int128(1) << 120;  ///< what is beyond has no value
+
+Int128 bounded(Int128 v)
+{
+    return v > -kWideLimit && v < kWideLimit ? v : kNone;
+}
+
+Int128 toWideInteger(double v)
+{
+    return std::abs(v) < 0x1p120 ? Int128(v) : kNone;  // false for NaN
+}
+
+double toNumber(Int128 v)
+{
+    return v == kNone ? kNan : double(v);
+}
+
+/// -1, 0 or 1 as a is below, at or above b, exactly; b is a number.
+int order(Int128 a, double b)
+{
+    if (b >= 0x1p120) return -1;
+    if (b <= -0x1p120) return 1;
+    const double down = std::floor(b);
+    const Int128 whole = Int128(down);
+    if (a != whole) return a < whole ? -1 : 1;
+    return b > down ? -1 : 0;
+}
+
+Int128 floorDivided(Int128 a, Int128 b)
+{
+    const Int128 q = a / b;
+    return a % b != 0 && (a < 0) != (b < 0) ? q - 1 : q;
+}
+
+Int128 computed(Op op, Int128 a, Int128 b)
+{
+    if (a == kNone || b == kNone) return kNone;
+    Int128 result = 0;
+    switch (op) {
+        case Op::Add:
+            return bounded(a + b);  // both are within 2^120
+        case Op::Subtract:
+            return bounded(a - b);
+        case Op::Multiply:
+            return __builtin_mul_overflow(a, b, &result) ? kNone : bounded(result);
+        case Op::FloorDivide:
+            return b == 0 ? kNone : floorDivided(a, b);
+        case Op::Modulo:
+            return b == 0 ? kNone : a - floorDivided(a, b) * b;
+        case Op::Minimum:
+            return std::min(a, b);
+        default:
+            return std::max(a, b);
+    }
+}
+
+/// The values of a 64-bit field.
+template <typename T>
+void loadWide(const Attribute& a, PointRange points, Int128* out)
+{
+    const T* const values = a.columns[0]->values<T>().data() + points.first;
+    const auto n = std::size_t(points.size());
+    for (std::size_t k = 0; k < n; ++k) out[k] = values[k];
+    if (!a.noData || std::holds_alternative<double>(*a.noData)) return;
+    const Int128 none = std::visit([](auto v) { return Int128(v); }, *a.noData);
+    for (std::size_t k = 0; k < n; ++k)
+        if (out[k] == none) out[k] = kNone;
+}
+
+template <typename T, typename F>
+void combine(T* out, const T* other, F f)
+{
+    for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = f(out[k], other[k]);
+}
+
+template <typename T, typename F>
+void compareAll(const T* a, const T* b, std::uint8_t* out, F f)
+{
+    for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = std::uint8_t(f(a[k], b[k]));
+}
+
+/// Calls f with the comparison as a function object, so that each loop is compiled for it.
+template <typename F>
+void withComparison(Op op, F f)
+{
+    switch (op) {
+        case Op::Equal:
+            return f(std::equal_to<>());
+        case Op::Unequal:
+            return f(std::not_equal_to<>());
+        case Op::Less:
+            return f(std::less<>());
+        case Op::LessEqual:
+            return f(std::less_equal<>());
+        case Op::Greater:
+            return f(std::greater<>());
+        default:
+            return f(std::greater_equal<>());
+    }
+}
+
+bool isConstant(const Node& node)
+{
+    return node.op == Op::Constant;
+}
+
+}  // namespace
+
+/// Memory of the intermediate values, used again and again.
+struct Evaluator::Blocks {
+    template <typename T>
+    using Free = std::vector<std::unique_ptr<T[]>>;
+    Free<double> numbers;
+    Free<Int128> wides;
+    Free<std::uint8_t> conditions;
+
+    template <typename T>
+    Free<T>& of()
+    {
+        if constexpr (std::is_same_v<T, double>)
+            return numbers;
+        else if constexpr (std::is_same_v<T, Int128>)
+            return wides;
+        else
+            return conditions;
+    }
+};
+
+/// kBlockPoints values for as long as it lives.
+template <typename T>
+class Evaluator::Block
+{
+public:
+    explicit Block(Blocks& blocks) : m_free(blocks.of<T>())
+    {
+        if (m_free.empty()) {
+            m_values = std::make_unique<T[]>(kBlockPoints);
+        } else {
+            m_values = std::move(m_free.back());
+            m_free.pop_back();
+        }
+    }
+    ~Block() { m_free.push_back(std::move(m_values)); }
+    Block(const Block&) = delete;
+    Block& operator=(const Block&) = delete;
+    T* get() const noexcept { return m_values.get(); }
+
+private:
+    Blocks::Free<T>& m_free;
+    std::unique_ptr<T[]> m_values;
+};
+
+Evaluator::Evaluator(const std::vector<Attribute>& attributes)
+    : m_attributes(attributes), m_blocks(std::make_unique<Blocks>())
+{
+}
+
+Evaluator::~Evaluator() = default;
+
+void Evaluator::number(const Node& node, PointRange points, double* out)
+{
+    switch (node.op) {
+        case Op::Constant:
+            std::fill_n(out, kBlockPoints, node.number);
+            return;
+        case Op::Load:
+            m_attributes[node.attribute].read(points, out);
+            return;
+        case Op::LoadRaw: {
+            Attribute raw = m_attributes[node.attribute];
+            raw.scaled = false;
+            raw.read(points, out);
+            return;
+        }
+        case Op::ToNumber: {
+            const Block<Int128> child(*m_blocks);
+            wide(node.children[0], points, child.get());
+            for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = toNumber(child.get()[k]);
+            return;
+        }
+        case Op::Choose: {
+            number(node.children[0], points, out);
+            const Block<std::uint8_t> decides(*m_blocks);
+            condition(node.children[1], points, decides.get());
+            const Block<double> other(*m_blocks);
+            number(node.children[2], points, other.get());
+            for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = decides.get()[k] ? out[k] : other.get()[k];
+            return;
+        }
+        default:
+            arithmetic(node, points, out);
+    }
+}
+
+void Evaluator::arithmetic(const Node& node, PointRange points, double* out)
+{
+    number(node.children[0], points, out);
+    if (node.children.size() == 1) {
+        if (node.op == Op::Negate)
+            for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = -out[k];
+        else if (node.op == Op::Absolute)
+            for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = std::abs(out[k]);
+        else
+            for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = node.function(out[k], 0.0);
+        return;
+    }
+    const Block<double> block(*m_blocks);
+    double* const other = block.get();
+    number(node.children[1], points, other);
+    switch (node.op) {
+        case Op::Add:
+            return combine(out, other, [](double a, double b) { return a + b; });
+        case Op::Subtract:
+            return combine(out, other, [](double a, double b) { return a - b; });
+        case Op::Multiply:
+            return combine(out, other, [](double a, double b) { return a * b; });
+        case Op::Divide:  // nothing can be divided by 0: no value, and not infinity
+            return combine(out, other, [](double a, double b) { return b == 0.0 ? kNan : a / b; });
+        case Op::FloorDivide:
+            return combine(out, other, [](double a, double b) { return b == 0.0 ? kNan : std::floor(a / b); });
+        case Op::Modulo:
+            return combine(out, other, [](double a, double b) { return a - std::floor(a / b) * b; });
+        case Op::Power:
+            return combine(out, other, [](double a, double b) { return std::pow(a, b); });
+        case Op::Minimum:  // of a value and none: none
+            return combine(out, other, [](double a, double b) { return a < b || a != a ? a : b; });
+        case Op::Maximum:
+            return combine(out, other, [](double a, double b) { return a > b || a != a ? a : b; });
+        default:
+            return combine(out, other, node.function);
+    }
+}
+
+void Evaluator::wide(const Node& node, PointRange points, Int128* out)
+{
+    switch (node.op) {
+        case Op::Constant:
+            std::fill_n(out, kBlockPoints, node.wide);
+            return;
+        case Op::Load: {
+            const Attribute& a = m_attributes[node.attribute];
+            a.type() == ScalarType::I64 ? loadWide<std::int64_t>(a, points, out)
+                                        : loadWide<std::uint64_t>(a, points, out);
+            return;
+        }
+        case Op::ToWide: {
+            const Block<double> child(*m_blocks);
+            number(node.children[0], points, child.get());
+            for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = toWideInteger(child.get()[k]);
+            return;
+        }
+        case Op::Choose: {
+            wide(node.children[0], points, out);
+            const Block<std::uint8_t> decides(*m_blocks);
+            condition(node.children[1], points, decides.get());
+            const Block<Int128> other(*m_blocks);
+            wide(node.children[2], points, other.get());
+            for (std::size_t k = 0; k < kBlockPoints; ++k)
+                if (!decides.get()[k]) out[k] = other.get()[k];
+            return;
+        }
+        default:
+            break;
+    }
+    wide(node.children[0], points, out);
+    if (node.children.size() == 1) {
+        for (std::size_t k = 0; k < kBlockPoints; ++k)
+            if (out[k] != kNone && (node.op == Op::Negate || out[k] < 0)) out[k] = -out[k];
+        return;
+    }
+    const Block<Int128> block(*m_blocks);
+    wide(node.children[1], points, block.get());
+    combine(out, block.get(), [op = node.op](Int128 a, Int128 b) { return computed(op, a, b); });
+}
+
+void Evaluator::compare(const Node& node, PointRange points, std::uint8_t* out)
+{
+    const Node &left = node.children[0], &right = node.children[1];
+    if (left.type == Type::Number) {
+        const Block<double> a(*m_blocks);
+        number(left, points, a.get());
+        if (isConstant(right)) {
+            withComparison(node.op, [&](auto is) {
+                const double* const values = a.get();
+                for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = std::uint8_t(is(values[k], right.number));
+            });
+            return;
+        }
+        const Block<double> b(*m_blocks);
+        number(right, points, b.get());
+        withComparison(node.op, [&](auto is) { compareAll(a.get(), b.get(), out, is); });
+        return;
+    }
+    // none is like NaN: it differs from everything, and no other comparison with it holds
+    const auto none = std::uint8_t(node.op == Op::Unequal);
+    const Block<Int128> a(*m_blocks);
+    wide(left, points, a.get());
+    if (right.type == Type::Wide) {
+        const Block<Int128> b(*m_blocks);
+        wide(right, points, b.get());
+        withComparison(node.op, [&](auto is) {
+            compareAll(a.get(), b.get(), out, [=](Int128 x, Int128 y) {
+                return x == kNone || y == kNone ? none : std::uint8_t(is(x, y));
+            });
+        });
+        return;
+    }
+    const Block<double> b(*m_blocks);
+    number(right, points, b.get());
+    withComparison(node.op, [&](auto is) {
+        for (std::size_t k = 0; k < kBlockPoints; ++k) {
+            const Int128 x = a.get()[k];
+            const double y = b.get()[k];
+            out[k] = x == kNone || y != y ? none : std::uint8_t(is(order(x, y), 0));
+        }
+    });
+}
+
+void Evaluator::within(const Node& node, PointRange points, std::uint8_t* out)
+{
+    std::fill_n(out, kBlockPoints, std::uint8_t(0));
+    const auto ranges = [&](auto zero, auto evaluate, auto constant) {
+        using T = decltype(zero);
+        const Block<T> subject(*m_blocks), low(*m_blocks), high(*m_blocks);
+        const T* const values = subject.get();
+        evaluate(node.children[0], subject.get());
+        for (std::size_t c = 1; c + 1 < node.children.size(); c += 2) {
+            const Node &from = node.children[c], &to = node.children[c + 1];
+            if (isConstant(from) && isConstant(to)) {
+                const T lo = constant(from), hi = constant(to);
+                for (std::size_t k = 0; k < kBlockPoints; ++k)
+                    out[k] |= std::uint8_t(std::uint8_t(values[k] >= lo) & std::uint8_t(values[k] <= hi));
+                continue;
+            }
+            evaluate(from, low.get());
+            evaluate(to, high.get());
+            for (std::size_t k = 0; k < kBlockPoints; ++k)
+                out[k] |= std::uint8_t(std::uint8_t(values[k] >= low.get()[k]) &
+                                       std::uint8_t(values[k] <= high.get()[k]));
+        }
+        if constexpr (std::is_same_v<T, Int128>)
+            for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] &= std::uint8_t(values[k] != kNone);
+    };
+    if (node.children[0].type == Type::Wide)
+        ranges(
+            Int128(0), [&](const Node& n, Int128* values) { wide(n, points, values); },
+            [](const Node& n) { return n.wide; });
+    else
+        ranges(
+            0.0, [&](const Node& n, double* values) { number(n, points, values); },
+            [](const Node& n) { return n.number; });
+}
+
+void Evaluator::condition(const Node& node, PointRange points, std::uint8_t* out)
+{
+    switch (node.op) {
+        case Op::And:
+        case Op::Or: {
+            condition(node.children[0], points, out);
+            const Block<std::uint8_t> block(*m_blocks);
+            std::uint8_t* const other = block.get();
+            const bool both = node.op == Op::And;
+            for (std::size_t c = 1; c < node.children.size(); ++c) {
+                // decided already for all points: the rest need not be looked at
+                if (std::find(out, out + kBlockPoints, std::uint8_t(both)) == out + kBlockPoints) return;
+                condition(node.children[c], points, other);
+                if (both)
+                    for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] &= other[k];
+                else
+                    for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] |= other[k];
+            }
+            return;
+        }
+        case Op::Not:
+            condition(node.children[0], points, out);
+            for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] ^= 1;
+            return;
+        case Op::Exists: {
+            const Node& child = node.children[0];
+            if (child.type == Type::Wide) {
+                const Block<Int128> values(*m_blocks);
+                wide(child, points, values.get());
+                for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = std::uint8_t(values.get()[k] != kNone);
+            } else {
+                const Block<double> values(*m_blocks);
+                number(child, points, values.get());
+                for (std::size_t k = 0; k < kBlockPoints; ++k)
+                    out[k] = std::uint8_t(values.get()[k] == values.get()[k]);
+            }
+            return;
+        }
+        case Op::Within:
+            within(node, points, out);
+            return;
+        default:
+            compare(node, points, out);
+    }
+}
+
+}  // namespace punctum::expression

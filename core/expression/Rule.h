@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/edit/Command.h"
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace punctum
+{
+
+class Progress;
+
+namespace expression
+{
+
+struct Assignment;
+
+/// A rule that sets an attribute: `Classification = 2 if NormalZ > 0.9 and HeightAboveGround < 0.2`. The language
+/// is told in docs/user.md, "Rules". Immutable, for any thread.
+class Rule
+{
+public:
+    /// Throws ExpressionError when the text is no rule, whatever the cloud.
+    explicit Rule(std::string_view text);
+
+    const std::string& text() const noexcept { return m_text; }
+    const std::string& target() const noexcept;
+
+    /// The command that has the effect; null when nothing would change.
+    ///
+    /// Takes cloud.mutex() shared while reading, changes nothing. `within` (null: all) are the points that may
+    /// change. A value that the attribute cannot hold is an Error; points whose value is none keep theirs, unless
+    /// the attribute has a value for none. Throws ExpressionError, Error, Cancelled.
+    std::unique_ptr<Command> run(const PointCloud& cloud, const PointSet* within, Progress& progress) const;
+    /// The same for an attribute that the cloud does not have yet: adds it with this type; 0 where no case holds.
+    std::unique_ptr<Command> add(const PointCloud& cloud, ScalarType type, const PointSet* within,
+                                 Progress& progress) const;
+
+private:
+    std::string m_text;
+    std::shared_ptr<const Assignment> m_rule;
+};
+
+}  // namespace expression
+
+}  // namespace punctum

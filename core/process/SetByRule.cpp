@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "core/process/SetByRule.h"
+
+#include "core/expression/Rule.h"
+#include "core/process/Values.h"
+
+namespace punctum
+{
+
+std::string SetByRuleStep::help() const
+{
+    return "Sets an attribute where a condition over attributes holds, such as "
+           "Classification = 2 if NormalZ > 0.9 and Z < 12.5.";
+}
+
+std::vector<StepParameter> SetByRuleStep::parameters() const
+{
+    std::vector<StepParameter> p(2);
+    p[0].key = "rule";
+    p[0].label = "Rule";
+    p[0].help = "Attribute = value if condition; the user guide tells the language.";
+    p[0].type = StepParameter::Type::Rule;
+    p[1].key = "new";
+    p[1].label = "New attribute";
+    p[1].help = "Type of the attribute, when the rule is to add one: the points that no case names get 0.";
+    p[1].type = StepParameter::Type::Choice;
+    p[1].optional = true;
+    for (int type = 0; type <= int(ScalarType::F64); ++type) p[1].choices.emplace_back(nameOf(ScalarType(type)));
+    return p;
+}
+
+std::unique_ptr<Command> SetByRuleStep::run(const PointCloud& cloud, const StepValues& values,
+                                            Progress& progress) const
+{
+    const StepValues complete = completeValues(*this, values);
+    const expression::Rule rule(complete.at("rule"));
+    const std::string type = textValue(complete, "new");
+    if (type.empty()) return rule.run(cloud, nullptr, progress);
+    int chosen = 0;
+    while (nameOf(ScalarType(chosen)) != type) ++chosen;
+    return rule.add(cloud, ScalarType(chosen), nullptr, progress);
+}
+
+}  // namespace punctum
