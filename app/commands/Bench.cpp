@@ -4,6 +4,7 @@
 
 #include "core/Error.h"
 #include "core/Text.h"
+#include "core/cloud/Buffer.h"
 #include "core/task/Progress.h"
 
 #include <algorithm>
@@ -101,6 +102,13 @@ void addBenchOptions(CLI::App& command, BenchOptions& options)
         ->type_name("N")
         ->check(CLI::Range(1, 1000));
     command.add_flag("--json", options.json, "Print JSON: each figure as {\"median\", \"min\", \"max\"}");
+}
+
+void warmMemory(std::uint64_t bytes)
+{
+    constexpr std::size_t kPage = 4096;
+    Buffer memory(bytes);
+    for (std::size_t at = 0; at < memory.size(); at += kPage) memory.data()[at] = std::byte(1);
 }
 
 void warmFileCache(const std::filesystem::path& path, Progress& progress)

@@ -7,6 +7,7 @@
 #include "app/commands/Command.h"
 
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
@@ -71,6 +72,10 @@ double percentile(std::vector<double> values, double share);
 
 /// Reads the file once, so that what is measured is the program and not the disk.
 void warmFileCache(const std::filesystem::path& path, Progress& progress);
+
+/// Takes memory from the system once and gives it back, so that a virtual machine has it: what its host needs to
+/// find pages that have lain idle (up to two seconds for 20 M points here) is not what the program costs.
+void warmMemory(std::uint64_t bytes);
 
 /// The picture every benchmark draws: an oblique view that shows the whole cloud.
 render::Camera benchCamera(const DrawableCloud& cloud, int width, int height);

@@ -2,7 +2,6 @@
 // punctum bench load: from the file to columns and store, beside what a bare loop over the same file takes.
 #include "app/commands/Bench.h"
 #include "core/Error.h"
-#include "core/cloud/Buffer.h"
 #include "core/las/Reader.h"
 #include "core/las/SourceFile.h"
 #include "core/task/Progress.h"
@@ -194,15 +193,6 @@ void measureFirstImage(const std::string& file, Figures& figures, Progress& prog
     if (firstImage == 0) throw Error(file, "No picture with points came about.");
     figures.add("first_image_ms", firstImage);
     figures.add("seconds_while_drawing", seconds);
-}
-
-/// Takes memory from the system once and gives it back, so that a virtual machine has it: what its host needs to
-/// find pages that have lain idle (up to two seconds for 20 M points here) is not what loading costs.
-void warmMemory(std::uint64_t bytes)
-{
-    constexpr std::size_t kPage = 4096;
-    Buffer memory(bytes);
-    for (std::size_t at = 0; at < memory.size(); at += kPage) memory.data()[at] = std::byte(1);
 }
 
 void runBenchLoad(const BenchOptions& options, Progress& progress)

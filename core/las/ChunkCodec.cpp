@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "core/las/ChunkDecoder.h"
 #include "core/las/File.h"
+#include "core/las/PointwiseEncoder.h"
 #include "core/las/StackGuard.h"
 #include "core/task/Progress.h"
 
@@ -441,13 +442,14 @@ bool layeredChunkSize(std::span<const std::byte> start, const LazInfo& info, std
     return count > 0 && bytes < UINT32_MAX;
 }
 
-std::string checkLayeredChunk(std::span<const std::byte> chunk, const LazInfo& info, std::uint32_t count)
+std::string checkLayeredChunk(std::span<const std::byte> chunk, const LazInfo& info,
+                              std::optional<std::uint32_t> count)
 {
     std::uint32_t stated = 0;
     std::uint64_t bytes = 0;
     if (!layeredChunkSize(chunk, info, stated, bytes)) return "its layer sizes cannot be";
-    if (stated != count)
-        return "it states " + std::to_string(stated) + " points where the table says " + std::to_string(count);
+    if (count && stated != *count)
+        return "it states " + std::to_string(stated) + " points where the table says " + std::to_string(*count);
     if (bytes != chunk.size()) return "its layers do not fill its bytes";
     return {};
 }
@@ -456,7 +458,6 @@ namespace
 {
 
 constexpr std::size_t kCoderBytes = 4;  ///< that a range coder takes first
-constexpr const char* kNoCoder = "its compressed bytes begin as none can";
 
 /// A range coder's first four bytes are below the full range in what an encoder writes. LASzip does not look, and
 /// at 0xFFFFFFFF reads and writes outside its tables.
@@ -524,7 +525,7 @@ PointDecoder::PointDecoder(const LazInfo& info, std::span<const std::byte> data,
     } else {
         const auto chunkSize = std::uint32_t(std::min<std::uint64_t>(count, UINT32_MAX - 1));
         m_impl = std::make_unique<Impl>(info, chunkSize, count, data);
-        m_error = codersBegin(data, info) ? m_impl->start() : kNoCoder;
+        m_error = codersBegin(data, info) ? m_impl->start() : kImpossibleStart;
     }
 }
 
@@ -543,7 +544,7 @@ PointDecoder::PointDecoder(const LazInfo& info, const File& file, std::uint64_t 
     m_impl = std::make_unique<Impl>(info, info.chunkSize, count, file, offset, bytes);
     std::vector<std::byte> head(std::size_t(std::min<std::uint64_t>(bytes, info.recordLength + kCoderBytes)));
     file.readAt(offset, head);
-    m_error = codersBegin(head, info) ? m_impl->start() : kNoCoder;
+    m_error = codersBegin(head, info) ? m_impl->start() : kImpossibleStart;
 }
 
 PointDecoder::~PointDecoder() = default;
@@ -583,31 +584,62 @@ std::uint64_t PointDecoder::position()
     return std::uint64_t(std::streamoff(at)) - m_impl->buffer.prefixBytes();
 }
 
+struct LaszipEncoder::Impl {
+    Impl(const LazInfo& info, std::ostream& out) : parts(info.format, info.recordLength)
+    {
+        check(laszip_set_point_type_and_size(handle.get(), info.format, info.recordLength));
+        check(laszip_request_native_extension(handle.get(), 1));
+        check(laszip_set_chunk_size(handle.get(), info.chunkSize));
+        check(laszip_open_writer_stream(handle.get(), out, 1, 1));
+        point = handle.point();
+        if (parts.extra >= 0 && (point->extra_bytes == nullptr || point->num_extra_bytes != int(parts.extraBytes)))
+            throw Error("The points cannot be compressed (LASzip sees other extra bytes).");
+    }
+    void check(laszip_I32 rc) const
+    {
+        if (rc != 0) throw Error("The points cannot be compressed (LASzip: " + handle.error() + ").");
+    }
+
+    Handle handle;
+    Parts parts;
+    laszip_point* point = nullptr;
+};
+
+LaszipEncoder::LaszipEncoder(const LazInfo& info, std::ostream& out) : m_impl(std::make_unique<Impl>(info, out)) {}
+
+LaszipEncoder::~LaszipEncoder() = default;
+
+void LaszipEncoder::add(std::span<const std::byte> records)
+{
+    const Parts& parts = m_impl->parts;
+    for (std::size_t at = 0; at + parts.length <= records.size(); at += parts.length) {
+        parts.fromRecord(records.data() + at, *m_impl->point);
+        m_impl->check(laszip_write_point(m_impl->handle.get()));
+    }
+}
+
+void LaszipEncoder::finish()
+{
+    m_impl->check(laszip_close_writer(m_impl->handle.get()));
+}
+
 std::vector<std::byte> encodeChunk(const LazInfo& info, std::span<const std::byte> records,
                                    const Progress& progress)
 {
     const std::size_t count = records.size() / info.recordLength;
     if (count == 0 || count >= kVariableChunks) throw Error("A chunk cannot hold that many points.");
+    if (!isExtendedFormat(info.format)) return encodePointwise(info, records, progress);
+    LazInfo one = info;
+    one.chunkSize = std::uint32_t(count);
     SinkBuffer sink;
     std::ostream stream(&sink);
-    const Handle handle;
-    const auto check = [&](laszip_I32 rc) {
-        if (rc != 0) throw Error("The points cannot be compressed (LASzip: " + handle.error() + ").");
-    };
-    check(laszip_set_point_type_and_size(handle.get(), info.format, info.recordLength));
-    check(laszip_request_native_extension(handle.get(), 1));
-    check(laszip_set_chunk_size(handle.get(), std::uint32_t(count)));
-    check(laszip_open_writer_stream(handle.get(), stream, 1, 1));
-    laszip_point* point = handle.point();
-    const Parts parts(info.format, info.recordLength);
-    if (parts.extra >= 0 && (point->extra_bytes == nullptr || point->num_extra_bytes != int(parts.extraBytes)))
-        throw Error("The points cannot be compressed (LASzip sees other extra bytes).");
-    for (std::size_t k = 0; k < count; ++k) {
-        if (k % kCancelStep == 0) progress.check();
-        parts.fromRecord(records.data() + k * info.recordLength, *point);
-        check(laszip_write_point(handle.get()));
+    LaszipEncoder encoder(one, stream);
+    const std::size_t step = kCancelStep * info.recordLength;
+    for (std::size_t at = 0; at < records.size(); at += step) {
+        progress.check();
+        encoder.add(records.subspan(at, std::min(step, records.size() - at)));
     }
-    check(laszip_close_writer(handle.get()));
+    encoder.finish();
     // [0, 8): where LASzip's own table begins, which ends the chunk
     const auto tableAt = sink.bytes.size() >= kPointerBytes ? load<std::int64_t>(sink.bytes.data()) : -1;
     if (stream.fail() || tableAt < std::int64_t(kPointerBytes) || std::uint64_t(tableAt) > sink.bytes.size())

@@ -5,7 +5,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <iosfwd>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -54,7 +56,8 @@ constexpr std::uint16_t kLaszipRecordId = 22204;
 
 /// Why a layered chunk cannot be decoded: its own count and layer sizes are checked against `count` and its bytes,
 /// which LASzip does not do. Empty when it can.
-std::string checkLayeredChunk(std::span<const std::byte> chunk, const LazInfo& info, std::uint32_t count);
+std::string checkLayeredChunk(std::span<const std::byte> chunk, const LazInfo& info,
+                              std::optional<std::uint32_t> count);
 /// Count and size that a layered chunk states in its first bytes (recordLength + 4 + 4 * layers() of them);
 /// false when there are too few bytes or the sizes cannot be.
 bool layeredChunkSize(std::span<const std::byte> start, const LazInfo& info, std::uint32_t& count,
@@ -100,8 +103,27 @@ private:
     std::string m_error;
 };
 
-/// The bytes of one chunk with these records (the same that LASzip writes serially).
-/// May be called from several threads. Throws Error or Cancelled.
+/// Compresses records one after the other with LASzip's own writer, in chunks of info.chunkSize: for one chunk of
+/// the formats 6 to 10, and for what tests and benchmarks compare with. For one thread. Every member throws Error.
+class LaszipEncoder
+{
+public:
+    /// `out` must stay, and be able to go back: position of the table, chunks and table go there.
+    LaszipEncoder(const LazInfo& info, std::ostream& out);
+    ~LaszipEncoder();
+    LaszipEncoder(const LaszipEncoder&) = delete;
+    LaszipEncoder& operator=(const LaszipEncoder&) = delete;
+
+    void add(std::span<const std::byte> records);
+    void finish();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> m_impl;
+};
+
+/// The bytes of one chunk with these records, the same that LASzip writes serially: by our own code for the formats
+/// 0 to 5, by LASzip for the others. May be called from several threads. Throws Error or Cancelled.
 std::vector<std::byte> encodeChunk(const LazInfo& info, std::span<const std::byte> records,
                                    const Progress& progress);
 

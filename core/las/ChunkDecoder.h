@@ -12,9 +12,12 @@ namespace punctum::las
 
 struct LazInfo;
 
+/// Said of bytes that begin with 0xFFFFFFFF, which no range coder writes.
+constexpr const char* kImpossibleStart = "its compressed bytes begin as none can";
+
 /// Decodes the points of compressed chunks by our own code: faster than LASzip, since opening a compressed file is
-/// what people wait for, and within its bounds whatever the bytes are, where LASzip can recurse without end. LASzip
-/// writes every chunk; tests hold these decoders against it. For one thread.
+/// what people wait for, and within its bounds whatever the bytes are, where LASzip can recurse without end. Tests hold
+/// these decoders against it. For one thread.
 class ChunkDecoder
 {
 public:

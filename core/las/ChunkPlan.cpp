@@ -80,7 +80,7 @@ ChunkPlan planChunks(const SourceFile& source, const LazInfo& standard, const st
         return std::move(plan);
     };
 
-    const CurrentFile::Place place = source.current->get();
+    const CurrentFile place = source.current->get();
     if (place.path.empty() || FileStamp::of(place.path) != place.stamp) return regular();
     ParsedFile parsed;
     std::shared_ptr<const File> file;

@@ -298,6 +298,18 @@ struct Field {
     static void store(std::byte* field, const Value& value) { std::memcpy(field, &value, sizeof value); }
 };
 
+/// One that is told from its last value alone.
+template <typename Value, typename Models>
+struct ModeledField : Field<Value> {
+    Models models;
+
+    void begin(Value value)
+    {
+        this->last = value;
+        models.reset();
+    }
+};
+
 struct Height : Field<std::int32_t> {
     std::array<std::int32_t, 8> byLevel{};
     IntegerModels<32, 20> models;
@@ -315,14 +327,7 @@ struct Height : Field<std::int32_t> {
     }
 };
 
-struct Class : Field<std::uint8_t> {
-    SparseModels<256, 64> models;
-
-    void begin(std::uint8_t value)
-    {
-        last = value;
-        models.reset();
-    }
+struct Class : ModeledField<std::uint8_t, SparseModels<256, 64>> {
     void decode(RangeDecoder& in, const Turn& turn, std::uint8_t& value)
     {
         value = std::uint8_t(in.likelySymbol(models[(value & 31u) << 1 | (turn.place == 3 ? 1u : 0u)]));
@@ -368,42 +373,21 @@ struct Intensity : Field<std::uint16_t> {
     }
 };
 
-struct Angle : Field<std::int16_t> {
-    IntegerModels<16, 2> models;
-
-    void begin(std::int16_t value)
-    {
-        last = value;
-        models.reset();
-    }
+struct Angle : ModeledField<std::int16_t, IntegerModels<16, 2>> {
     void decode(RangeDecoder& in, const Turn& turn, std::int16_t& value)
     {
         if (turn.newAngle) value = std::int16_t(in.integer(models, value, turn.newTime ? 1 : 0));
     }
 };
 
-struct UserData : Field<std::uint8_t> {
-    SparseModels<256, 64> models;
-
-    void begin(std::uint8_t value)
-    {
-        last = value;
-        models.reset();
-    }
+struct UserData : ModeledField<std::uint8_t, SparseModels<256, 64>> {
     void decode(RangeDecoder& in, const Turn&, std::uint8_t& value)
     {
         value = std::uint8_t(in.likelySymbol(models[value / 4u]));
     }
 };
 
-struct Source : Field<std::uint16_t> {
-    IntegerModels<16, 1> models;
-
-    void begin(std::uint16_t value)
-    {
-        last = value;
-        models.reset();
-    }
+struct Source : ModeledField<std::uint16_t, IntegerModels<16, 1>> {
     void decode(RangeDecoder& in, const Turn& turn, std::uint16_t& value)
     {
         if (turn.newSource) value = std::uint16_t(in.integer(models, value, 0));
@@ -420,7 +404,7 @@ struct Time : Field<std::uint64_t> {
     }
     void decode(RangeDecoder& in, const Turn& turn, std::uint64_t& value)
     {
-        if (turn.newTime) value = predictor.decode(in);
+        if (turn.newTime) value = predictor.code(in, 0);
     }
 };
 
@@ -432,7 +416,10 @@ struct Color : Field<ColorPredictor::Color> {
         last = value;
         predictor.reset();
     }
-    void decode(RangeDecoder& in, const Turn&, ColorPredictor::Color& value) { predictor.decode(in, value); }
+    void decode(RangeDecoder& in, const Turn&, ColorPredictor::Color& value)
+    {
+        value = predictor.code(in, value, {});
+    }
 };
 
 struct Nir : Field<std::array<std::uint8_t, kNirBytes>> {
@@ -469,7 +456,7 @@ struct Wave {
         last = value;
         predictor.reset();
     }
-    void decode(RangeDecoder& in, const Turn&, WavePacket& value) { predictor.decode(in, value); }
+    void decode(RangeDecoder& in, const Turn&, WavePacket& value) { value = predictor.code(in, value, {}); }
 };
 
 struct ExtraByte : Field<std::uint8_t> {
@@ -543,10 +530,7 @@ std::string LayeredDecoder::start(std::span<const std::byte> chunk)
     Impl& impl = *m_impl;
     impl.size = 0;
     impl.present.clear();
-    std::uint32_t count = 0;
-    std::uint64_t stated = 0;
-    if (!layeredChunkSize(chunk, impl.info, count, stated)) return "its layer sizes cannot be";
-    if (stated != chunk.size()) return "its layers do not fill its bytes";
+    if (std::string why = checkLayeredChunk(chunk, impl.info, {}); !why.empty()) return why;
 
     const std::size_t layers = impl.layers.size() + 1, sizesAt = impl.length + 4;
     impl.head = sizesAt + 4 * layers;
@@ -573,7 +557,7 @@ std::string LayeredDecoder::start(std::span<const std::byte> chunk)
     }
     impl.size = chunk.size();
     impl.atFirst = true;
-    return impossible ? "its compressed bytes begin as none can" : "";
+    return impossible ? kImpossibleStart : "";
 }
 
 std::size_t LayeredDecoder::decode(std::size_t count, std::byte* records)

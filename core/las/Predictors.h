@@ -14,7 +14,9 @@ namespace punctum::las
 {
 
 /// The predictors of LAZ that pointwise and layered chunks share, after M. Isenburg, "LASzip: lossless compression
-/// of LiDAR data", Photogrammetric Engineering & Remote Sensing 79(2), 2013. All begin a chunk with reset().
+/// of LiDAR data", Photogrammetric Engineering & Remote Sensing 79(2), 2013. All begin a chunk with reset(). code()
+/// takes the value that is to be encoded, or anything (see RangeEncoder, RangeDecoder), and gives the one that is
+/// coded.
 
 /// Median of the last values, kept sorted; of which end the oldest one is taken out depends on what came in.
 class RunningMedian
@@ -102,13 +104,14 @@ public:
         m_fromZero.reset();
         m_integers.reset();
     }
-    std::uint64_t decode(RangeDecoder& in)
+    template <typename Coder>
+    std::uint64_t code(Coder& coder, std::uint64_t time)
     {
         // One change of the sequence is all that an encoder ever needs.
         int changes = 0;
-        while (step(in))
+        while (step(coder, time))
             if (++changes == kSequences) {
-                in.fail();
+                if constexpr (!Coder::kEncodes) coder.fail();
                 break;
             }
         return m_times[m_at];
@@ -123,11 +126,13 @@ private:
     static constexpr unsigned kWhole = kMost + kLeast + 1 + kSameSymbols;  ///< a whole time begins a sequence,
     static constexpr unsigned kSymbols = kWhole + 4;                       ///< another sequence
 
-    void wholeTime(RangeDecoder& in)
+    template <typename Coder>
+    void wholeTime(Coder& coder, std::uint64_t time)
     {
         m_newest = (m_newest + 1) & 3;
-        const std::uint32_t high = std::uint32_t(in.integer(m_integers, std::int32_t(m_times[m_at] >> 32), 8));
-        m_times[m_newest] = (std::uint64_t(high) << 32) | in.word();
+        const std::int32_t high =
+            coder.integer(m_integers, std::int32_t(m_times[m_at] >> 32), 8, std::int32_t(time >> 32));
+        m_times[m_newest] = (std::uint64_t(std::uint32_t(high)) << 32) | coder.word(std::uint32_t(time));
         m_at = m_newest;
         m_differences[m_at] = 0;
         m_extremes[m_at] = 0;
@@ -141,47 +146,81 @@ private:
             m_extremes[m_at] = 0;
         }
     }
+    /// Whether the time is so near to the last one of the sequence that their difference has 32 bits.
+    bool isNear(std::uint64_t time, unsigned sequence) const
+    {
+        const auto difference = std::int64_t(time - m_times[sequence]);
+        return difference == std::int32_t(difference);
+    }
+    /// 0, where a whole time is needed, or how many sequences further on the time belongs.
+    unsigned sequencesOn(std::uint64_t time) const
+    {
+        for (unsigned k = 1; k < kSequences; ++k)
+            if (isNear(time, (m_at + k) & 3)) return k;
+        return 0;
+    }
+    /// What an encoder chooses where the difference before was zero.
+    unsigned chooseFromZero(std::uint64_t time) const
+    {
+        if (SaysSame && time == m_times[m_at]) return 0;
+        return isNear(time, m_at) ? kSameSymbols : kSameSymbols + 1 + sequencesOn(time);
+    }
+    /// And elsewhere.
+    unsigned chooseMultiple(std::uint64_t time) const
+    {
+        if (SaysSame && time == m_times[m_at]) return kSame;
+        if (!isNear(time, m_at)) return kWhole + sequencesOn(time);
+        // in floats, and rounded, as LASzip does it
+        const float ratio = float(std::int32_t(time - m_times[m_at])) / float(m_differences[m_at]);
+        const float rounded = ratio + (ratio >= 0 ? 0.5f : -0.5f);
+        if (!(rounded < 0x1p31f)) return kMost + kLeast;  // no int32: the processor makes it the lowest one
+        const auto multiple = std::int32_t(rounded);
+        if (multiple >= 0) return std::min(unsigned(multiple), kMost);
+        return kMost + std::min(0u - unsigned(multiple), kLeast);
+    }
     /// True when another sequence was chosen, whose time follows.
-    bool step(RangeDecoder& in)
+    template <typename Coder>
+    bool step(Coder& coder, std::uint64_t time)
     {
         std::int32_t& last = m_differences[m_at];
+        const auto real = std::int32_t(time - m_times[m_at]);
         if (last == 0) {
-            const unsigned kind = in.likelySymbol(m_fromZero);
+            const unsigned kind = coder.likelySymbol(m_fromZero, Coder::kEncodes ? chooseFromZero(time) : 0);
             if (kind == kSameSymbols) {
-                last = in.integer(m_integers, 0, 0);
+                last = coder.integer(m_integers, 0, 0, real);
                 add(last);
                 m_extremes[m_at] = 0;
             } else if (kind == kSameSymbols + 1) {
-                wholeTime(in);
+                wholeTime(coder, time);
             } else if (kind > kSameSymbols + 1) {
                 m_at = (m_at + kind - kSameSymbols - 1) & 3;
                 return true;
             }
             return false;
         }
-        const unsigned kind = in.likelySymbol(m_multiples);
+        const unsigned kind = coder.likelySymbol(m_multiples, Coder::kEncodes ? chooseMultiple(time) : 0);
         const auto times = [&](std::int32_t n) { return std::int32_t(std::uint32_t(n) * std::uint32_t(last)); };
         if (kind == 1) {
-            add(in.integer(m_integers, last, 1));
+            add(coder.integer(m_integers, last, 1, real));
             m_extremes[m_at] = 0;
         } else if (kind == 0) {
-            const std::int32_t difference = in.integer(m_integers, 0, 7);
+            const std::int32_t difference = coder.integer(m_integers, 0, 7, real);
             add(difference);
             extreme(difference);
         } else if (kind < kMost) {
-            add(in.integer(m_integers, times(std::int32_t(kind)), kind < 10 ? 2 : 3));
+            add(coder.integer(m_integers, times(std::int32_t(kind)), kind < 10 ? 2 : 3, real));
         } else if (kind == kMost) {
-            const std::int32_t difference = in.integer(m_integers, times(kMost), 4);
+            const std::int32_t difference = coder.integer(m_integers, times(kMost), 4, real);
             add(difference);
             extreme(difference);
         } else if (kind < kMost + kLeast) {
-            add(in.integer(m_integers, times(std::int32_t(kMost) - std::int32_t(kind)), 5));
+            add(coder.integer(m_integers, times(std::int32_t(kMost) - std::int32_t(kind)), 5, real));
         } else if (kind == kMost + kLeast) {
-            const std::int32_t difference = in.integer(m_integers, times(-std::int32_t(kLeast)), 6);
+            const std::int32_t difference = coder.integer(m_integers, times(-std::int32_t(kLeast)), 6, real);
             add(difference);
             extreme(difference);
         } else if (kind == kWhole) {
-            wholeTime(in);
+            wholeTime(coder, time);
         } else if (!SaysSame || kind != kSame) {
             m_at = (m_at + kind - kWhole) & 3;
             return true;
@@ -210,31 +249,39 @@ public:
         for (auto& m : m_differences) m.reset();
     }
     /// From the color before to the next one.
-    void decode(RangeDecoder& in, Color& color)
+    template <typename Coder>
+    Color code(Coder& coder, const Color& before, const Color& real)
     {
         // the bits of `changed` are in the order of the bytes, then "not grey"
-        const unsigned changed = in.likelySymbol(m_changed);
-        const Color before = color;
-        for (unsigned k = 0; k < 2; ++k)
-            if ((changed >> k & 1) != 0) color[k] = std::uint8_t(before[k] + in.symbol(m_differences[k]));
+        const unsigned changed = coder.likelySymbol(m_changed, Coder::kEncodes ? changes(before, real) : 0);
+        Color color = before;
+        const auto next = [&](unsigned byte, int predicted) {
+            if ((changed >> byte & 1) == 0) return;
+            const auto guess = std::uint8_t(std::clamp(predicted, 0, 255));
+            color[byte] = std::uint8_t(guess + coder.symbol(m_differences[byte], std::uint8_t(real[byte] - guess)));
+        };
+        for (unsigned k = 0; k < 2; ++k) next(k, before[k]);
         if ((changed & 64) != 0) {
             for (unsigned k = 0; k < 2; ++k) {
                 const int red = int(color[k]) - before[k];
-                if ((changed >> (k + 2) & 1) != 0) color[k + 2] = guess(in, k + 2, before[k + 2] + red);
+                next(k + 2, before[k + 2] + red);
                 const int green = int(color[k + 2]) - before[k + 2];
-                if ((changed >> (k + 4) & 1) != 0)
-                    color[k + 4] = guess(in, k + 4, before[k + 4] + (red + green) / 2);
+                next(k + 4, before[k + 4] + (red + green) / 2);
             }
         } else {
             color[2] = color[4] = color[0];
             color[3] = color[5] = color[1];
         }
+        return color;
     }
 
 private:
-    std::uint8_t guess(RangeDecoder& in, unsigned byte, int predicted)
+    static unsigned changes(const Color& before, const Color& real)
     {
-        return std::uint8_t(unsigned(std::clamp(predicted, 0, 255)) + in.symbol(m_differences[byte]));
+        unsigned changed = 0;
+        for (unsigned k = 0; k < 6; ++k) changed |= unsigned(real[k] != before[k]) << k;
+        const bool grey = real[2] == real[0] && real[4] == real[0] && real[3] == real[1] && real[5] == real[1];
+        return changed | unsigned(!grey) << 6;
     }
 
     SymbolModel<128> m_changed;
@@ -279,32 +326,45 @@ public:
         m_directions.reset();
     }
     /// From the packet before to the next one.
-    void decode(RangeDecoder& in, WavePacket& packet)
+    template <typename Coder>
+    WavePacket code(Coder& coder, const WavePacket& before, const WavePacket& real)
     {
-        packet.descriptor = std::byte(in.likelySymbol(m_descriptors));
-        m_lastKind = in.symbol(m_kinds[m_lastKind]);
+        WavePacket packet = before;
+        packet.descriptor = std::byte(coder.likelySymbol(m_descriptors, unsigned(real.descriptor)));
+        m_lastKind = coder.symbol(m_kinds[m_lastKind], Coder::kEncodes ? kindOf(before, real) : 0);
         if (m_lastKind == 1) {
-            packet.offset += packet.words[0];
+            packet.offset += before.words[0];
         } else if (m_lastKind == 2) {
-            m_lastStep = in.integer(m_steps, m_lastStep, 0);
+            m_lastStep = coder.integer(m_steps, m_lastStep, 0, std::int32_t(real.offset - before.offset));
             packet.offset += std::uint64_t(std::int64_t(m_lastStep));
         } else if (m_lastKind == 3) {
-            const std::uint64_t low = in.word();
-            packet.offset = (std::uint64_t(in.word()) << 32) | low;
+            const std::uint64_t low = coder.word(std::uint32_t(real.offset));
+            packet.offset = (std::uint64_t(coder.word(std::uint32_t(real.offset >> 32))) << 32) | low;
         }
-        const auto next = [&](auto& models, std::uint32_t& word, unsigned context) {
-            word = std::uint32_t(in.integer(models, std::int32_t(word), context));
+        const auto next = [&](auto& models, unsigned word, unsigned context) {
+            packet.words[word] = std::uint32_t(
+                coder.integer(models, std::int32_t(before.words[word]), context, std::int32_t(real.words[word])));
         };
-        next(m_sizes, packet.words[0], 0);
-        next(m_locations, packet.words[1], 0);
-        for (unsigned k = 0; k < 3; ++k) next(m_directions, packet.words[2 + k], k);
+        next(m_sizes, 0, 0);
+        next(m_locations, 1, 0);
+        for (unsigned k = 0; k < 3; ++k) next(m_directions, 2 + k, k);
+        return packet;
     }
 
 private:
+    /// The same place, right behind, near, or anywhere.
+    static unsigned kindOf(const WavePacket& before, const WavePacket& real)
+    {
+        const auto step = std::int64_t(real.offset - before.offset);
+        if (step != std::int32_t(step)) return 3;
+        if (step == 0) return 0;
+        return std::int32_t(step) == std::int32_t(before.words[0]) ? 1 : 2;
+    }
+
     std::int32_t m_lastStep = 0;
     unsigned m_lastKind = 0;
     SymbolModel<256> m_descriptors;
-    std::array<SymbolModel<4>, 4> m_kinds;  ///< same, next, near or any offset, by the kind before
+    std::array<SymbolModel<4>, 4> m_kinds;  ///< see kindOf; by the kind before
     IntegerModels<32, 1> m_steps, m_sizes, m_locations;
     IntegerModels<32, 3> m_directions;
 };

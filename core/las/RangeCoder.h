@@ -19,8 +19,10 @@ namespace punctum::las
 {
 
 /// The range coder and integer compressor of LAZ, after A. Said's FastAC as M. Isenburg uses it ("LASzip: lossless
-/// compression of LiDAR data", 2013; A. Said, HPL-2004-76). Encoding is for the chunk table, decoding for the table
-/// and for points.
+/// compression of LiDAR data", 2013; A. Said, HPL-2004-76).
+///
+/// RangeEncoder and RangeDecoder have the same members, which take what is to be coded and give what was: so that a
+/// predictor is written once, for both. The decoder does not look at what it is given.
 ///
 /// Decoding is built for long chains of dependent steps on wide processors: symbols are found by comparing their
 /// ranges sixteen at once instead of by bisection, whose branches cannot be foretold, and bytes are taken without a
@@ -28,6 +30,7 @@ namespace punctum::las
 
 constexpr unsigned kSymbolShift = 15;  ///< scale of symbol frequencies
 constexpr unsigned kBitShift = 13;     ///< scale of bit probabilities
+constexpr unsigned kDirectBits = 19;   ///< most bits coded without a model at once
 
 /// Adaptive frequencies of 2 to `Most` symbols, 15-bit scale.
 template <unsigned Most>
@@ -192,15 +195,17 @@ public:
     /// That, or more bytes were asked for than there are.
     bool damaged() const noexcept { return m_impossible || m_at > m_end; }
 
+    static constexpr bool kEncodes = false;
+
     template <unsigned Most>
-    [[gnu::always_inline]] unsigned symbol(SymbolModel<Most>& model) noexcept
+    [[gnu::always_inline]] unsigned symbol(SymbolModel<Most>& model, unsigned = 0) noexcept
     {
         const std::uint32_t step = m_length >> kSymbolShift;
         return take(model, model.find(std::min<std::uint32_t>(m_value / step, INT16_MAX)), step);
     }
     /// The same, faster where the symbol that came last mostly comes again.
     template <unsigned Most>
-    [[gnu::always_inline]] unsigned likelySymbol(SymbolModel<Most>& model) noexcept
+    [[gnu::always_inline]] unsigned likelySymbol(SymbolModel<Most>& model, unsigned = 0) noexcept
     {
         const std::uint32_t step = m_length >> kSymbolShift;
         const unsigned last = model.last();
@@ -239,14 +244,15 @@ public:
         return value;
     }
     /// 32 bits, the lower half first.
-    std::uint32_t word() noexcept
+    std::uint32_t word(std::uint32_t = 0) noexcept
     {
         const std::uint32_t low = bits(16);
         return (bits(16) << 16) | low;
     }
     /// An integer near `predicted`. With less than 32 bits only as many of the result mean something.
     template <unsigned Bits, unsigned Contexts>
-    std::int32_t integer(IntegerModels<Bits, Contexts>& models, std::int32_t predicted, unsigned context) noexcept
+    std::int32_t integer(IntegerModels<Bits, Contexts>& models, std::int32_t predicted, unsigned context,
+                         std::int32_t = 0) noexcept
     {
         constexpr unsigned kHigh = IntegerModels<Bits, Contexts>::kHighBits;
         const unsigned k = models.length = likelySymbol(models.lengths[context]);
@@ -263,8 +269,6 @@ public:
     }
 
 private:
-    static constexpr unsigned kDirectBits = 19;  ///< most bits taken without a model at once
-
     template <unsigned Most>
     [[gnu::always_inline]] unsigned take(SymbolModel<Most>& model, unsigned symbol, std::uint32_t step) noexcept
     {
@@ -296,26 +300,124 @@ private:
     bool m_impossible = false;
 };
 
-/// Writes 32-bit integers as differences to a prediction, two contexts: what the chunk table needs.
-class IntegerEncoder
+/// Makes compressed bytes of symbols, bits and integers.
+class RangeEncoder
 {
 public:
-    void encode(std::int32_t predicted, std::int32_t real, unsigned context);
+    static constexpr bool kEncodes = true;
+
+    /// Makes room for `bytes` more; each symbol, bit or word takes at most four, an integer eight.
+    void reserve(std::size_t bytes)
+    {
+        if (m_bytes.size() - m_at < bytes + kWriteAhead) m_bytes.resize(2 * m_bytes.size() + bytes + kWriteAhead);
+    }
+    template <unsigned Most>
+    [[gnu::always_inline]] unsigned symbol(SymbolModel<Most>& model, unsigned symbol) noexcept
+    {
+        const std::uint32_t step = m_length >> kSymbolShift;
+        const std::uint32_t x = model.below(symbol) * step;
+        const std::uint32_t y = symbol + 1 < model.symbols() ? model.below(symbol + 1) * step : m_length;
+        m_length = y - x;
+        add(x);
+        model.count(symbol);
+        return symbol;
+    }
+    template <unsigned Most>
+    [[gnu::always_inline]] unsigned likelySymbol(SymbolModel<Most>& model, unsigned likely) noexcept
+    {
+        return symbol(model, likely);
+    }
+    [[gnu::always_inline]] bool bit(BitModel& model, bool bit) noexcept
+    {
+        const std::uint32_t x = model.zero() * (m_length >> kBitShift);
+        m_length = bit ? m_length - x : x;
+        add(bit ? x : 0);
+        model.count(bit);
+        return bit;
+    }
+    void bits(unsigned n, std::uint32_t value) noexcept
+    {
+        if (n > kDirectBits) {
+            bits(16, value & 0xFFFFu);
+            value >>= 16;
+            n -= 16;
+        }
+        m_length >>= n;
+        add(value * m_length);
+    }
+    std::uint32_t word(std::uint32_t value) noexcept
+    {
+        bits(16, value & 0xFFFFu);
+        bits(16, value >> 16);
+        return value;
+    }
+    template <unsigned Bits, unsigned Contexts>
+    std::int32_t integer(IntegerModels<Bits, Contexts>& models, std::int32_t predicted, unsigned context,
+                         std::int32_t real) noexcept
+    {
+        static_assert(Bits == 16 || Bits == 32);
+        constexpr unsigned kHigh = IntegerModels<Bits, Contexts>::kHighBits;
+        std::int32_t c = std::int32_t(std::uint32_t(real) - std::uint32_t(predicted));  // wraps, as the format does
+        if constexpr (Bits == 16) c = std::int16_t(c);
+        const unsigned k = unsigned(std::bit_width(c <= 0 ? 0u - std::uint32_t(c) : std::uint32_t(c) - 1));
+        models.length = likelySymbol(models.lengths[context], k);
+        if (k == 0) {
+            bit(models.tiny, c != 0);
+        } else if (k < 32) {
+            // the upper half of the 2^k values are the positive ones
+            const std::uint32_t folded = std::uint32_t(c) + (c < 0 ? (1u << k) - 1 : ~0u);
+            if (k <= kHigh) {
+                symbol(models.high[k - 1], folded);
+            } else {
+                symbol(models.high[k - 1], folded >> (k - kHigh));
+                bits(k - kHigh, folded & ((1u << (k - kHigh)) - 1));
+            }
+        }
+        return real;
+    }
     /// Ends the stream and gives its bytes.
     std::vector<std::byte> finish();
 
 private:
-    template <unsigned Most>
-    void putSymbol(SymbolModel<Most>& model, unsigned symbol);
-    void putBit(BitModel& model, bool bit);
-    void putBits(unsigned bits, std::uint32_t value);
-    void add(std::uint32_t amount);
-    void renormalize();
+    static constexpr std::size_t kWriteAhead = 8;
 
-    IntegerModels<32, 2> m_models;
+    /// Moves the base up, and puts out whole bytes until the length has its upper eight bits again.
+    [[gnu::always_inline]] void add(std::uint32_t amount) noexcept
+    {
+        m_base += amount;
+        if (m_base < amount) [[unlikely]]
+            carry();
+        const unsigned shift = unsigned(std::countl_zero(m_length)) & 24u;
+        const std::uint32_t next = __builtin_bswap32(m_base);
+        std::memcpy(m_bytes.data() + m_at, &next, sizeof next);
+        m_base <<= shift;
+        m_length <<= shift;
+        m_at += shift / 8;
+    }
+    void carry() noexcept;
+
     std::uint32_t m_base = 0;
     std::uint32_t m_length = 0xFFFFFFFFu;
     std::vector<std::byte> m_bytes;
+    std::size_t m_at = 0;
+};
+
+/// Writes 32-bit integers as differences to a prediction, two contexts: what the chunk table needs.
+class IntegerEncoder
+{
+public:
+    void encode(std::int32_t predicted, std::int32_t real, unsigned context)
+    {
+        m_encoder.reserve(kMostBytes);
+        m_encoder.integer(m_models, predicted, context, real);
+    }
+    std::vector<std::byte> finish() { return m_encoder.finish(); }
+
+private:
+    static constexpr std::size_t kMostBytes = 8;
+
+    IntegerModels<32, 2> m_models;
+    RangeEncoder m_encoder;
 };
 
 /// Reads what IntegerEncoder wrote. Reading past the end gives zeros and sets overrun(); no input is an error.

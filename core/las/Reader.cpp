@@ -311,7 +311,7 @@ ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& 
     };
     ReadResult result = m_impl->visit(progress, receiver);
 
-    PointsAsRead::Summary summary;
+    PointsAsRead summary;
     for (const Seen& s : seen) {
         summary.bounds.include(s.bounds);
         for (std::size_t k = 0; k < 16; ++k) summary.byReturn[k] += s.byReturn[k];

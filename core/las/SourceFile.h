@@ -18,6 +18,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace punctum::las
@@ -92,32 +93,35 @@ struct Header {
     std::string version() const;  ///< "1.4"
 };
 
-/// What the points were when they were read, from which saving tells whether the header's figures still hold.
-/// Filled by Reader::read, from any thread; copies are taken under the lock.
-class PointsAsRead
+/// A value that any thread may take a copy of, or replace.
+template <typename T>
+class Guarded
 {
 public:
-    struct Summary {
-        bool complete = false;                     ///< all points were looked at
-        RawBounds bounds;                          ///< of the points that could be read
-        std::array<std::uint64_t, 16> byReturn{};  ///< points of return number 0 to 15
-        std::vector<PointRange> missing;           ///< damaged: their values are 0 and mean nothing
-        std::vector<ExtraBytesRange> extra;        ///< see extraBytesRanges
-    };
-    Summary get() const
+    T get() const
     {
         const std::lock_guard lock(m_mutex);
-        return m_summary;
+        return m_value;
     }
-    void set(Summary summary)
+    void set(T value)
     {
         const std::lock_guard lock(m_mutex);
-        m_summary = std::move(summary);
+        m_value = std::move(value);
     }
 
 private:
     mutable std::mutex m_mutex;
-    Summary m_summary;
+    T m_value;
+};
+
+/// What the points were when they were read, from which saving tells whether the header's figures still hold.
+/// Filled by Reader::read.
+struct PointsAsRead {
+    bool complete = false;                     ///< all points were looked at
+    RawBounds bounds;                          ///< of the points that could be read
+    std::array<std::uint64_t, 16> byReturn{};  ///< points of return number 0 to 15
+    std::vector<PointRange> missing;           ///< damaged: their values are 0 and mean nothing
+    std::vector<ExtraBytesRange> extra;        ///< see extraBytesRanges
 };
 
 /// The points of a cloud without those that are missing, as ranges.
@@ -125,30 +129,12 @@ std::vector<PointRange> readable(PointIndex points, const std::vector<PointRange
 
 /// The file that holds the cloud at present: the one it was read from, later the one it was last saved to.
 /// Saving looks there whether somebody else changed that file meanwhile, and for compressed chunks that no edit
-/// touched. Set from any thread; copies are taken under the lock.
-class CurrentFile
-{
-public:
-    struct Place {
-        std::filesystem::path path;  ///< empty: a cloud made here, never saved
-        FileStamp stamp;
-        bool saved = false;    ///< written by us: it holds the points that a save writes, not those that were read
-        bool pristine = true;  ///< its points and their places are those of the file that was read
-    };
-    Place get() const
-    {
-        const std::lock_guard lock(m_mutex);
-        return m_place;
-    }
-    void set(Place place)
-    {
-        const std::lock_guard lock(m_mutex);
-        m_place = std::move(place);
-    }
-
-private:
-    mutable std::mutex m_mutex;
-    Place m_place;
+/// touched.
+struct CurrentFile {
+    std::filesystem::path path;  ///< empty: a cloud made here, never saved
+    FileStamp stamp;
+    bool saved = false;    ///< written by us: it holds the points that a save writes, not those that were read
+    bool pristine = true;  ///< its points and their places are those of the file that was read
 };
 
 /// Everything of a LAS/LAZ file that is not a point, as read: what saving writes back unless it must change.
@@ -176,8 +162,8 @@ struct SourceFile {
     std::vector<std::string> losses;    ///< those of the warnings that tell of what is missing or damaged
     bool recovered = false;             ///< there are losses: save only under another name
 
-    std::shared_ptr<PointsAsRead> asRead = std::make_shared<PointsAsRead>();
-    std::shared_ptr<CurrentFile> current = std::make_shared<CurrentFile>();
+    std::shared_ptr<Guarded<PointsAsRead>> asRead = std::make_shared<Guarded<PointsAsRead>>();
+    std::shared_ptr<Guarded<CurrentFile>> current = std::make_shared<Guarded<CurrentFile>>();
 
     const Vlr* findVlr(std::string_view user, std::uint16_t id) const;  ///< VLRs, then EVLRs
     /// All Extra Bytes records, VLRs then EVLRs, in file order.

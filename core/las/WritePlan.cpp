@@ -638,7 +638,7 @@ private:
     const WriteOptions& m_options;
     Progress& m_progress;
     std::shared_ptr<const SourceFile> m_source;
-    PointsAsRead::Summary m_read;
+    PointsAsRead m_read;
     bool m_made = false;          ///< the cloud was made here
     bool m_restructured = false;  ///< the record or the points' figures change: the file is no longer its maker's
     std::vector<PointRange> m_kept;

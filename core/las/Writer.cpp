@@ -13,6 +13,7 @@
 #include "core/task/Progress.h"
 
 #include <algorithm>
+#include <chrono>
 #include <mutex>
 #include <shared_mutex>
 
@@ -32,19 +33,27 @@ struct Written {
     WrittenChunks chunks;  ///< when compressed
 };
 
-void writePlain(const RecordMaker& maker, AtomicFile& file, std::uint64_t begin, Progress& progress)
+/// Runs work(scratch, range) for each block of points, in parallel; `scratch` is the worker's own.
+template <typename Work>
+void forEachBlock(const RecordMaker& maker, Progress& progress, const Work& work)
 {
-    const std::uint64_t length = maker.layout().length;
-    const std::uint64_t block = std::max<std::uint64_t>(1, kBlockBytes / length);
+    const std::uint64_t block = std::max<std::uint64_t>(1, kBlockBytes / maker.layout().length);
     const std::uint64_t blocks = (maker.points() + block - 1) / block;
     forEachInOrder(std::size_t(blocks), [&](std::vector<std::byte>& scratch, std::size_t k) {
         progress.check();
         const PointRange range{k * block, std::min((k + 1) * block, maker.points())};
-        scratch.resize(std::size_t(block * length));
-        const auto records = std::span(scratch).first(std::size_t(range.size() * length));
+        work(scratch, range);
+        progress.add(range.size());
+    });
+}
+
+void writePlain(const RecordMaker& maker, AtomicFile& file, std::uint64_t begin, Progress& progress)
+{
+    const std::uint64_t length = maker.layout().length;
+    forEachBlock(maker, progress, [&](std::vector<std::byte>& records, PointRange range) {
+        records.resize(std::size_t(range.size() * length));
         maker.make(range, records.data());
         file.writeAt(begin + range.first * length, records);
-        progress.add(range.size());
     });
 }
 
@@ -54,18 +63,13 @@ std::optional<PointRange> findWrongBlock(const RecordMaker& maker, const File& f
                                          Progress& progress)
 {
     const std::uint64_t length = maker.layout().length;
-    const std::uint64_t block = std::max<std::uint64_t>(1, kBlockBytes / length);
-    const std::uint64_t blocks = (maker.points() + block - 1) / block;
     std::optional<PointRange> wrong;
     std::mutex mutex;
-    forEachInOrder(std::size_t(blocks), [&](std::vector<std::byte>& scratch, std::size_t k) {
-        progress.check();
-        const PointRange range{k * block, std::min((k + 1) * block, maker.points())};
+    forEachBlock(maker, progress, [&](std::vector<std::byte>& scratch, PointRange range) {
         const auto size = std::size_t(range.size() * length);
         scratch.resize(2 * size);
         file.readAt(begin + range.first * length, std::span(scratch).first(size));
         maker.make(range, scratch.data() + size);
-        progress.add(range.size());
         if (std::memcmp(scratch.data(), scratch.data() + size, size) == 0) return;
         const std::lock_guard lock(mutex);
         if (!wrong || range.first < wrong->first) wrong = range;
@@ -124,7 +128,7 @@ bool isCopcName(const std::filesystem::path& path)
 void askIfChanged(const PointCloud& cloud, const std::filesystem::path& target)
 {
     if (cloud.source() == nullptr) return;
-    const CurrentFile::Place place = cloud.source()->current->get();
+    const CurrentFile place = cloud.source()->current->get();
     std::error_code ec;
     if (place.path.empty() || !std::filesystem::equivalent(place.path, target, ec)) return;
     const auto now = FileStamp::of(target);
@@ -189,6 +193,7 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
     progress.begin("Preparing", 0);
     try {
         if (!options.overwriteChanged) askIfChanged(cloud, path);
+        const auto begun = std::chrono::steady_clock::now();
         const auto native = nativeCloud(cloud, options.pointFormat);
         WritePlan plan = planWrite(native ? *native : cloud, path, options, progress);
         const RecordMaker& maker = *plan.maker;
@@ -215,12 +220,20 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
         written.bytes = written.pointDataEnd + written.suffix.size();
         file.writeAt(written.pointDataEnd, written.suffix);
         file.writeAt(0, plan.prefix);
+        const std::chrono::duration<double> writing = std::chrono::steady_clock::now() - begun;
         file.sync();
         if (options.verify) verify(file, plan, written, progress);
         progress.check();
         const auto waveforms = writeWaveforms(source.get(), maker, file, plan.notes, progress);
         if (waveforms) waveforms->commit();
-        const FileStamp stamp = file.commit();
+        FileStamp stamp;
+        try {
+            stamp = file.commit();
+        } catch (...) {
+            std::error_code ignored;
+            if (waveforms && !waveforms->replaces()) std::filesystem::remove(waveforms->target(), ignored);
+            throw;
+        }
         for (std::string& sentence : unfinishedSaves(file.target())) plan.notes.push_back(std::move(sentence));
         plan.notes.insert(plan.notes.end(), file.notes().begin(), file.notes().end());
         if (!pristine) setIndexAside(file, plan.notes);
@@ -228,8 +241,14 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
             plan.notes.push_back(
                 "The name ends in .copc.laz, but the file is an ordinary LAZ file; give it another name.");
         if (source != nullptr) source->current->set({file.target(), stamp, true, pristine});
-        return {maker.points(), written.bytes, written.chunks.copied, written.chunks.encoded,
-                std::move(plan.notes)};
+        WriteReport report;
+        report.points = maker.points();
+        report.bytes = written.bytes;
+        report.chunksCopied = written.chunks.copied;
+        report.chunksEncoded = written.chunks.encoded;
+        report.writeSeconds = writing.count();
+        report.notes = std::move(plan.notes);
+        return report;
     } catch (const Error& e) {
         if (e.file() == path) throw;
         throw Error(path, e.file().empty() ? e.what() : std::string("The file could not be saved: ") + e.what());

@@ -56,6 +56,7 @@ struct WriteReport {
     std::uint64_t bytes = 0;
     std::uint64_t chunksCopied = 0;   ///< LAZ: taken as they were
     std::uint64_t chunksEncoded = 0;  ///< LAZ: compressed anew
+    double writeSeconds = 0;  ///< from columns to the file, without waiting for the disk and without reading back
     std::vector<std::string> notes;
 };
 

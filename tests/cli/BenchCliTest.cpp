@@ -71,7 +71,11 @@ private slots:
     {
         QTest::addColumn<QStringList>("arguments");
         QTest::addColumn<QStringList>("keys");
-        QTest::newRow("save") << QStringList{"save", "--as", "laz"} << QStringList{"seconds", "mpts_per_s"};
+        QTest::newRow("save") << QStringList{"save"}
+                              << QStringList{"seconds", "mpts_per_s", "write_seconds", "write_mpts_per_s"};
+        QTest::newRow("save as LAZ") << QStringList{"save", "--as", "laz"}
+                                     << QStringList{"seconds", "write_mpts_per_s", "laszip_loop_mpts_per_s",
+                                                    "ratio_to_laszip_loop"};
         QTest::newRow("attribute") << QStringList{"attribute"}
                                    << QStringList{"switch_visible_ms", "switch_all_ms", "mpts_per_s"};
         QTest::newRow("edit") << QStringList{"edit"} << QStringList{"points_changed", "visible_ms", "undo_ms"};
