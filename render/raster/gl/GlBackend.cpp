@@ -38,6 +38,16 @@ std::string_view shader(std::string_view name)
 
 }  // namespace
 
+void useProjection(const LayerProjection& p)
+{
+    glUniform3i(0, p.reference.x, p.reference.y, p.reference.z);
+    glUniform4f(1, p.rowX.x, p.rowX.y, p.rowX.z, p.rowX.w);
+    glUniform4f(2, p.rowY.x, p.rowY.y, p.rowY.z, p.rowY.w);
+    glUniform4f(3, p.rowD.x, p.rowD.y, p.rowD.z, p.rowD.w);
+    glUniform1i(4, p.perspective);
+    glUniform1f(5, p.nearDepth);
+}
+
 std::array<std::uint32_t, 8> shownClasses(const FrameScene& scene) noexcept
 {
     std::array<std::uint32_t, 8> shown{};

@@ -87,6 +87,9 @@ private:
     GlTexture m_picture, m_sums;
 };
 
+/// Sets the uniforms of projection.glsl in the program that is in use.
+void useProjection(const LayerProjection& projection);
+
 /// Bits of the classes that a scene shows, as shaders take them: two uvec4.
 std::array<std::uint32_t, 8> shownClasses(const FrameScene& scene) noexcept;
 

@@ -38,8 +38,8 @@ GlVisibility::Programs& GlVisibility::programs()
 {
     Programs& p = m_programs[sampleCountIndex(m_size.samples)];
     if (!p.covered) {
-        p.count = reader("collect.comp", {shader("collect.comp.glsl")});
-        p.fill = reader("collect.comp", {"#define FILL\n", shader("collect.comp.glsl")});
+        p.count = reader("collect.comp", {shader("command.glsl"), shader("collect.comp.glsl")});
+        p.fill = reader("collect.comp", {"#define FILL\n", shader("command.glsl"), shader("collect.comp.glsl")});
         p.read = reader("read.comp", {shader("read.comp.glsl")});
         p.covered = reader("covered.comp", {shader("covered.comp.glsl")});
     }
@@ -81,7 +81,9 @@ std::span<const GlVisibility::Band> GlVisibility::collect(std::span<const PointI
 {
     if (empty() || firstIds.empty()) return {};
     Programs& p = programs();
-    if (!m_scan) m_scan = GlProgram::compute("scan.comp", {"#version 430 core\n", shader("scan.comp.glsl")});
+    if (!m_scan)
+        m_scan = GlProgram::compute("scan.comp",
+                                    {"#version 430 core\n", shader("command.glsl"), shader("scan.comp.glsl")});
     const std::size_t rowSamples = std::size_t(m_size.width) * std::size_t(m_size.samples);
     const auto chunks = GLuint(firstIds.size());
     m_firstIds.reserve(firstIds.size_bytes());

@@ -54,7 +54,8 @@ GlProgram makeProgram(const Variant& v)
             (s > 0 ? ", " : "") + ("ivec2(" + std::to_string(place[0])) + ", " + std::to_string(place[1]) + ")";
     }
     define("SAMPLE_PLACES", places);
-    text += resource("shaders/gl_compute/points.comp.glsl");
+    for (const char* const part : {"gl/command.glsl", "gl/projection.glsl", "gl_compute/points.comp.glsl"})
+        text += resource("shaders/" + std::string(part));
     return GlProgram::compute("points.comp", {text});
 }
 
@@ -132,12 +133,7 @@ void GlComputeBackend::use(int pass, bool list, const FrameScene& scene, const L
     GlProgram& program = m_programs[variant];
     if (!program) program = makeProgram(variant);
     program.use();
-    glUniform3i(0, p.reference.x, p.reference.y, p.reference.z);
-    glUniform4f(1, p.rowX.x, p.rowX.y, p.rowX.z, p.rowX.w);
-    glUniform4f(2, p.rowY.x, p.rowY.y, p.rowY.z, p.rowY.w);
-    glUniform4f(3, p.rowD.x, p.rowD.y, p.rowD.z, p.rowD.w);
-    glUniform1i(4, p.perspective);
-    glUniform1f(5, p.nearDepth);
+    useProjection(p);
     glUniform1i(6, steps);
     const float margin = pixels ? 0.0f : p.pointSize / 2 + 1;
     glUniform4f(7, -margin, float(size.width) + margin, -margin, float(size.height) + margin);

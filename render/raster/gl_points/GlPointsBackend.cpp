@@ -62,9 +62,10 @@ GlPointsBackend::GlPointsBackend(const GlLimits& limits) : GlBackend(limits, 1)
     const std::string_view depth = info().clipControl ? "" : "#define FRAGMENT_DEPTH\n";
     const std::string head = "#version 430 core\n" + std::string(depth);
     for (const bool filter : {false, true})
-        m_points[filter] = GlProgram::graphics(
-            "points.vert", {head, filter ? "#define CLASS_FILTER\n" : "", shader("points.vert.glsl")},
-            {head, shader("points.frag.glsl")});
+        m_points[filter] = GlProgram::graphics("points.vert",
+                                               {head, filter ? "#define CLASS_FILTER\n" : "",
+                                                resource("shaders/gl/projection.glsl"), shader("points.vert.glsl")},
+                                               {head, shader("points.frag.glsl")});
 }
 
 void GlPointsBackend::targetChanged()
@@ -117,12 +118,7 @@ void GlPointsBackend::useLayer(const Layer& layer)
 {
     const LayerProjection& p = layer.projection;
     const float pointSize = std::clamp(float(p.sizeInSteps()) / kSampleSteps, m_minPointSize, m_maxPointSize);
-    glUniform3i(0, p.reference.x, p.reference.y, p.reference.z);
-    glUniform4f(1, p.rowX.x, p.rowX.y, p.rowX.z, p.rowX.w);
-    glUniform4f(2, p.rowY.x, p.rowY.y, p.rowY.z, p.rowY.w);
-    glUniform4f(3, p.rowD.x, p.rowD.y, p.rowD.z, p.rowD.w);
-    glUniform1i(4, p.perspective);
-    glUniform1f(5, p.nearDepth);
+    useProjection(p);
     glUniform1f(6, pointSize);
 }
 

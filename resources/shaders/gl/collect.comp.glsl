@@ -3,13 +3,6 @@
 // once to write the lists (Schuetz et al. 2019, section 3.4, pass 3).
 layout(local_size_x = 16, local_size_y = 16) in;
 
-struct Command {
-    uint count, instances, firstIndex;  // as glDrawElementsIndirect reads it
-    int baseVertex;
-    uint baseInstance;
-    uint groupsX, groupsY, groupsZ;  // as glDispatchComputeIndirect reads it
-    uint written, unused0, unused1, unused2;
-};
 layout(std430, binding = 0) readonly buffer Chunks { uint firstIds[]; };  // rising
 layout(std430, binding = 1) coherent buffer Commands { Command commands[]; };
 #ifdef FILL

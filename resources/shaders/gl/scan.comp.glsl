@@ -3,13 +3,6 @@
 // few: one invocation.
 layout(local_size_x = 1) in;
 
-struct Command {
-    uint count, instances, firstIndex;
-    int baseVertex;
-    uint baseInstance;
-    uint groupsX, groupsY, groupsZ;
-    uint written, unused0, unused1, unused2;
-};
 layout(std430, binding = 1) buffer Commands { Command commands[]; };
 layout(location = 1) uniform uint chunkCount;
 layout(location = 2) uniform uint groupPoints;  // of a work group

@@ -6,8 +6,7 @@
 // PASS 2: one 64-bit minimum of (depth, id). Where the driver has none: PASS 0 finds each sample's least depth and
 // takes out the id of what is hidden now, PASS 1 puts in the least id of that depth. Both give the same picture.
 //
-// Where points go and what they cover is LayerProjection in render/raster/Backend.h; the order of operations is that
-// of the CPU backend's kernels.
+// Where points go and what they cover is LayerProjection in render/raster/Backend.h.
 layout(local_size_x = GROUP_SIZE) in;
 
 layout(std430, binding = 0) readonly buffer Positions { int positions[]; };  // local integers; x == 0: empty slot
@@ -16,13 +15,6 @@ layout(std430, binding = 1) readonly buffer Classes { uint classes[]; };  // fou
 layout(location = 14) uniform uvec4 shownClasses[2];                      // a bit a class
 #endif
 #ifdef LIST
-struct Command {
-    uint count, instances, firstIndex;
-    int baseVertex;
-    uint baseInstance;
-    uint groupsX, groupsY, groupsZ;
-    uint written, unused0, unused1, unused2;
-};
 layout(std430, binding = 2) readonly buffer List { uint list[]; };  // slots in the chunk
 layout(std430, binding = 3) readonly buffer Commands { Command commands[]; };
 layout(location = 12) uniform uint chunk;
@@ -36,12 +28,6 @@ layout(std430, binding = 5) coherent buffer Ids { uint ids[]; };
 layout(std430, binding = 6) coherent buffer Depths { uint depths[]; };
 #endif
 
-layout(location = 0) uniform ivec3 reference;
-layout(location = 1) uniform vec4 rowX;
-layout(location = 2) uniform vec4 rowY;
-layout(location = 3) uniform vec4 rowD;
-layout(location = 4) uniform bool perspective;
-layout(location = 5) uniform float nearDepth;
 layout(location = 6) uniform int size;        // of the square, steps of 1/16 px
 layout(location = 7) uniform vec4 kept;       // points with lowX <= x < highX and lowY <= y < highY are drawn
 layout(location = 11) uniform uint firstId;   // of the chunk's first slot
@@ -61,8 +47,6 @@ void cover(uint cell, uint id, uint depth)
     if (key < cells[cell]) atomicMin(cells[cell], key);
 #endif
 }
-
-float along(vec4 row, vec3 q) { return fma(row.x, q.x, fma(row.y, q.y, fma(row.z, q.z, row.w))); }
 
 void draw(uint slot)
 {

@@ -7,12 +7,6 @@ layout(location = 1) in uint pointClass;
 layout(location = 14) uniform uvec4 shownClasses[2];  // a bit a class
 #endif
 
-layout(location = 0) uniform ivec3 reference;
-layout(location = 1) uniform vec4 rowX;
-layout(location = 2) uniform vec4 rowY;
-layout(location = 3) uniform vec4 rowD;
-layout(location = 4) uniform bool perspective;
-layout(location = 5) uniform float nearDepth;
 layout(location = 6) uniform float pointSize;  // px, a multiple of 1/16
 layout(location = 8) uniform vec2 pictureSize; // px
 layout(location = 9) uniform float margin;     // px between viewport and picture, at the left and at the top
@@ -23,12 +17,6 @@ flat out uint id;
 #ifdef FRAGMENT_DEPTH
 flat out float depthValue;
 #endif
-
-// The order of operations is that of the CPU backend's kernels.
-float along(vec4 row, vec3 q)
-{
-    return fma(row.x, q.x, fma(row.y, q.y, fma(row.z, q.z, row.w)));
-}
 
 void main()
 {
