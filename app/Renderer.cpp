@@ -29,7 +29,9 @@ HeadlessRenderer::~HeadlessRenderer() = default;
 
 void addBackendOption(CLI::App& command, std::string& backend)
 {
-    command.add_option("--backend", backend, "What draws: auto, cpu, gl-compute or gl-points; default auto, which is cpu here")
+    command
+        .add_option("--backend", backend,
+                    "What draws: auto, cpu, gl-compute or gl-points; default auto, which is cpu here")
         ->type_name("NAME")
         ->check([](const std::string& name) {
             if (name == "auto" || render::backendFromName(name)) return std::string();
@@ -107,8 +109,8 @@ Picture drawPicture(render::ProgressiveRenderer& renderer, int width, int height
         }
     renderer.setPart(std::nullopt);
     if (!depths.empty())
-        render::shadeEyeDome(depths, !renderer.camera().orthographic, float(display.eyeDome),
-                             std::max(1, int(std::lround(display.pointSize))), picture.image);
+        render::shadeEyeDome(depths, !renderer.camera().orthographic, float(display.eyeDome), display.pointSize,
+                             picture.image);
     return picture;
 }
 

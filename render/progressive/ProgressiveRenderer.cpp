@@ -341,8 +341,7 @@ void ProgressiveRenderer::resolveImage()
     m_backend->resolve(m_scene, settings, m_image);
     if (m_display.eyeDome > 0 && !m_part) {
         m_backend->depths(m_depths);
-        const int radius = std::max(1, int(std::lround(m_display.pointSize)));
-        shadeEyeDome(m_depths, !m_camera.orthographic, float(m_display.eyeDome), radius, m_image);
+        shadeEyeDome(m_depths, !m_camera.orthographic, float(m_display.eyeDome), m_display.pointSize, m_image);
     }
     m_resolveNeeded = false;
     const double seconds = now() - started;

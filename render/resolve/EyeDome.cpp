@@ -46,11 +46,11 @@ float robustExtent(std::span<const float> values)
 
 }  // namespace
 
-void shadeEyeDome(std::span<const float> depths, bool perspective, float strength, int radius, Image& image)
+void shadeEyeDome(std::span<const float> depths, bool perspective, float strength, double pointSize, Image& image)
 {
     const int width = image.width, height = image.height;
     if (strength <= 0 || depths.size() != image.pixels.size() || depths.empty()) return;
-    radius = std::max(radius, 1);
+    const int radius = std::max(1, int(std::lround(pointSize)));
     std::vector<float> levels(depths.begin(), depths.end());
     if (perspective)
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, levels.size(), 1 << 14), [&](const auto& r) {

@@ -450,14 +450,8 @@ void GlBackendChecks::editsShowInTheNextFrame()
     View view(gl(), {store}, cameraFor(*cloud), display);
     view.converge();
     const Image before = view.renderer.image();
-    const auto classes = cloud->findAttribute("Classification")->columns[0]->values<std::uint8_t>();
     const auto setAll = [&](std::uint8_t from, std::uint8_t to) {
-        auto points = std::make_shared<PointSet>(cloud->size());
-        for (PointIndex i = 0; i < cloud->size(); ++i)
-            if (classes[i] == from) {
-                classes[i] = to;
-                points->insert(i);
-            }
+        const auto points = reclassify(*cloud, from, to);
         view.renderer.valuesChanged(*cloud, {ChangeNotice::Kind::Values, {"Classification"}, points});
         view.renderer.renderFrame(0.0);
     };

@@ -306,14 +306,8 @@ void ProgressiveTest::editsShowInTheNextFrame()
     View view({store}, camera, display);
     view.converge(0.02);
     const Image before = view.renderer.image();
-    const auto classes = cloud->findAttribute("Classification")->columns[0]->values<std::uint8_t>();
     const auto setAll = [&](std::uint8_t from, std::uint8_t to) {
-        auto points = std::make_shared<PointSet>(cloud->size());
-        for (PointIndex i = 0; i < cloud->size(); ++i)
-            if (classes[i] == from) {
-                classes[i] = to;
-                points->insert(i);
-            }
+        const auto points = test::reclassify(*cloud, from, to);
         view.renderer.valuesChanged(*cloud, {ChangeNotice::Kind::Values, {"Classification"}, points});
         view.renderer.renderFrame(0.0);
     };

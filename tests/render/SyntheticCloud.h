@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/cloud/PointCloud.h"
+#include "core/cloud/PointSet.h"
 
 #include <cmath>
 #include <cstdint>
@@ -71,6 +72,19 @@ inline std::shared_ptr<PointCloud> makeCloud(PointIndex points,
     }
     addComposite(*cloud, "RGB", AttributeKind::Color, {"Red", "Green", "Blue"});
     return cloud;
+}
+
+/// Gives all points of one class another one; returns which.
+inline std::shared_ptr<PointSet> reclassify(const PointCloud& cloud, std::uint8_t from, std::uint8_t to)
+{
+    const auto classes = cloud.findAttribute("Classification")->columns[0]->values<std::uint8_t>();
+    auto points = std::make_shared<PointSet>(cloud.size());
+    for (PointIndex i = 0; i < cloud.size(); ++i)
+        if (classes[i] == from) {
+            classes[i] = to;
+            points->insert(i);
+        }
+    return points;
 }
 
 }  // namespace punctum::test
