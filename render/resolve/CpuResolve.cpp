@@ -12,7 +12,7 @@ namespace punctum::render
 namespace
 {
 
-constexpr std::size_t kPrefetchAhead = 24;
+constexpr std::size_t kPrefetchAhead = 64;
 
 Rgba8 average(const Rgba8* colors, std::uint32_t count) noexcept
 {
