@@ -77,7 +77,8 @@ render::Camera readCamera(const std::filesystem::path& path, const render::Camer
         camera.fit(bounds, sizePx);
     else if (!pivot)
         // as far ahead as the clouds' middle is, so that a parallel picture has a sensible size
-        camera.pivot = camera.eye + camera.forward() * std::max(1e-3, glm::distance(camera.eye, fitted.pivot));
+        camera.pivot = camera.eye + camera.forward() / camera.stretch *
+                                        std::max(1e-3, glm::length((camera.eye - fitted.pivot) * camera.stretch));
     return camera;
 }
 

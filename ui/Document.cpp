@@ -2,6 +2,7 @@
 #include "ui/Document.h"
 
 #include "core/edit/History.h"
+#include "render/camera/Camera.h"
 #include "render/store/PointStore.h"
 #include "ui/Text.h"
 
@@ -48,6 +49,12 @@ const Attribute* Document::findAttribute(const QString& name) const
     for (const Attribute& attribute : m_attributes)
         if (attribute.name == wanted) return &attribute;
     return nullptr;
+}
+
+glm::dvec3 Document::viewStretch(const WorldBounds& bounds) const
+{
+    const Attribute *const x = findAttribute(QStringLiteral("X")), *const z = findAttribute(QStringLiteral("Z"));
+    return x && z ? render::viewStretch(x->unit, z->unit, bounds) : glm::dvec3(1.0);
 }
 
 const AttributeFigures* Document::figures(const QString& name) const

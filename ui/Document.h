@@ -81,6 +81,8 @@ public:
     /// Attributes at present; a copy, so that no lock is needed.
     const std::vector<Attribute>& attributes() const noexcept { return m_attributes; }
     const Attribute* findAttribute(const QString& name) const;
+    /// Of cameras that look at this document within `bounds`: render::viewStretch().
+    glm::dvec3 viewStretch(const WorldBounds& bounds) const;
     /// Null while not known.
     const AttributeFigures* figures(const QString& name) const;
     /// Points of each class; nothing while not known, or where the cloud has no classes.

@@ -219,7 +219,8 @@ void MainWindow::updateSceneBounds()
 {
     WorldBounds all;
     for (const Document* document : m_workspace->documents()) all.include(document->bounds());
-    m_viewport->setSceneBounds(all);
+    const auto& documents = m_workspace->documents();
+    m_viewport->setSceneBounds(all, documents.empty() ? glm::dvec3(1.0) : documents.front()->viewStretch(all));
 }
 
 void MainWindow::fitFor(const Document& document)

@@ -49,9 +49,10 @@ void Navigation::zoom(double notches, const glm::dvec3& target, render::Camera& 
 render::Camera Navigation::centered(const render::Camera& camera, const glm::dvec3& point) noexcept
 {
     render::Camera result = camera;
-    const double depth = std::max(glm::dot(point - camera.eye, camera.forward()), camera.pivotDepth() * 1e-3);
+    const double depth =
+        std::max(glm::dot((point - camera.eye) * camera.stretch, camera.forward()), camera.pivotDepth() * 1e-3);
     result.pivot = point;
-    result.eye = point - camera.forward() * depth;
+    result.eye = point - camera.forward() * depth / camera.stretch;
     return result;
 }
 
@@ -66,9 +67,10 @@ render::Camera Navigation::between(const render::Camera& from, const render::Cam
     result.pivot = from.pivot + (to.pivot - from.pivot) * s;
     // The eye goes round the pivot, not straight through what is being looked at.
     const double depth = std::lerp(from.pivotDepth(), to.pivotDepth(), s);
-    const glm::dvec3 aside = (from.eye + from.forward() * from.pivotDepth() - from.pivot) * (1.0 - s) +
-                             (to.eye + to.forward() * to.pivotDepth() - to.pivot) * s;
-    result.eye = result.pivot + aside - result.forward() * depth;
+    const glm::dvec3 aside =
+        (from.eye + from.forward() * from.pivotDepth() / from.stretch - from.pivot) * (1.0 - s) +
+        (to.eye + to.forward() * to.pivotDepth() / to.stretch - to.pivot) * s;
+    result.eye = result.pivot + aside - result.forward() * depth / result.stretch;
     return result;
 }
 

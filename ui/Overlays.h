@@ -76,7 +76,7 @@ class CompassOverlay final : public OverlayPanel
     Q_OBJECT
 public:
     using OverlayPanel::OverlayPanel;
-    /// `unit`: of the coordinates, "" when unknown. `pixelRatio`: px of the picture for each of the widget.
+    /// `unit`: of what the camera sees, "" when unknown. `pixelRatio`: px of the picture for each of the widget.
     void setCamera(const render::Camera& camera, double pictureHeightPx, double pixelRatio, const QString& unit);
     QSize sizeHint() const override { return {std::max(96, 54 + m_barLength + 16), 44}; }
 

@@ -100,7 +100,7 @@ void Viewport::applyCamera(const render::Camera& camera)
 {
     m_camera = camera;
     m_renderer.setCamera(camera);
-    m_compass->setCamera(camera, pictureSize().height(), m_pixelRatio, coordinateUnit());
+    m_compass->setCamera(camera, pictureSize().height(), m_pixelRatio, viewUnit());
     emit cameraChanged();
 }
 
@@ -132,6 +132,7 @@ void Viewport::fitTo(const WorldBounds& bounds, bool animated)
     m_fitBounds = bounds;
     const QSize size = pictureSize();
     render::Camera camera = m_camera;
+    camera.stretch = m_stretch;
     camera.fit(bounds, {size.width(), size.height()});
     setCamera(camera, animated);
     m_fitted = true;
@@ -143,6 +144,7 @@ void Viewport::setStandardView(const QString& name)
     if (!camera.setView(name.toStdString())) return;
     const QSize size = pictureSize();
     if (m_fitBounds.empty()) m_fitBounds = m_bounds;
+    camera.stretch = m_stretch;
     camera.fit(m_fitBounds, {size.width(), size.height()});
     ++m_userMoves;
     setCamera(camera, true);
@@ -428,11 +430,11 @@ void Viewport::placeOverlays()
     m_messages->raise();
 }
 
-QString Viewport::coordinateUnit() const
+QString Viewport::viewUnit() const
 {
     const Attribute* x = m_document ? m_document->findAttribute(QStringLiteral("X")) : nullptr;
     if (!x) return {};
-    return x->unit == "deg" ? QStringLiteral("°") : toQString(x->unit);
+    return x->unit == "deg" ? QStringLiteral("m") : toQString(x->unit);
 }
 
 }  // namespace punctum::ui

@@ -44,8 +44,13 @@ public:
     /// Counts what the user did to the camera: a fit by the program must not undo it.
     std::uint64_t userMoves() const noexcept { return m_userMoves; }
     void setCamera(const render::Camera& camera, bool animated = false);
-    /// The box of all that is open; what fit() and the first view go by.
-    void setSceneBounds(const WorldBounds& bounds) { m_bounds = bounds; }
+    /// The box of all that is open; what fit() and the first view go by. `stretch`: of cameras from the next fit
+    /// on.
+    void setSceneBounds(const WorldBounds& bounds, const glm::dvec3& stretch)
+    {
+        m_bounds = bounds;
+        m_stretch = stretch;
+    }
     /// Shows all of it, and goes on doing so when the size changes, until the user moves the camera.
     void fit(bool animated = true) { fitTo(m_bounds, animated); }
     /// The same with a part of it.
@@ -94,7 +99,7 @@ private:
     void takeFrame();
     void sendDisplay();
     void sendSize();
-    QString coordinateUnit() const;
+    QString viewUnit() const;
     void placeOverlays();
     void updateLegend();
     void centerOn(QPointF position);
@@ -118,6 +123,7 @@ private:
     render::Camera m_camera, m_flightStart, m_flightEnd;
     Navigation m_navigation;
     WorldBounds m_bounds;
+    glm::dvec3 m_stretch{1.0};
     WorldBounds m_fitBounds;  ///< what was fitted last
     std::uint64_t m_userMoves = 0;
     bool m_fitted = false;

@@ -122,7 +122,9 @@ render::Camera benchCamera(const DrawableCloud& cloud, int width, int height)
 {
     render::Camera camera;
     camera.setView("iso");
-    camera.fit(cloud.cloud->coordinates().toWorld(cloud.bounds), {width, height});
+    const WorldBounds box = cloud.cloud->coordinates().toWorld(cloud.bounds);
+    camera.stretch = render::viewStretch(*cloud.cloud, box);
+    camera.fit(box, {width, height});
     return camera;
 }
 

@@ -160,6 +160,7 @@ void measureFirstImage(const std::string& file, Figures& figures, Progress& prog
     renderer.addCloud(store);
     render::Camera camera;
     camera.setView("iso");
+    camera.stretch = render::viewStretch(*cloud, reader->source()->firstBounds);
     camera.fit(reader->source()->firstBounds, {kWidth, kHeight});
     renderer.setCamera(camera);
 

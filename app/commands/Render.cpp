@@ -126,6 +126,7 @@ void runRender(const RenderRequest& request, Progress& progress)
     const glm::dvec2 size(request.width, request.height);
     render::Camera camera;
     camera.setView(options.view.empty() ? "iso" : options.view);
+    camera.stretch = render::viewStretch(*clouds.front().cloud, bounds);
     camera.fit(bounds, size);
     if (!options.camera.empty()) camera = readCamera(options.camera, camera, bounds, size);
     renderer.setCamera(camera);

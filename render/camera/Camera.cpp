@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <shared_mutex>
 
 namespace punctum::render
 {
@@ -34,8 +35,9 @@ glm::dvec3 Camera::up() const noexcept
 
 double Camera::pivotDepth() const noexcept
 {
-    const double depth = glm::dot(pivot - eye, forward());
-    return depth > 0 ? std::max(depth, 1e-12) : std::max(glm::length(pivot - eye), 1e-12);
+    const glm::dvec3 line = (pivot - eye) * stretch;
+    const double depth = glm::dot(line, forward());
+    return depth > 0 ? std::max(depth, 1e-12) : std::max(glm::length(line), 1e-12);
 }
 
 double Camera::unitsPerPixel(double heightPx) const noexcept
@@ -48,17 +50,17 @@ void Camera::orbit(double deltaYaw, double deltaPitch) noexcept
     const double newPitch = std::clamp(pitch + deltaPitch, -kRightAngle, kRightAngle);
     const double turn = newPitch - pitch;
     // The pivot keeps its place in view coordinates: take the eye's offset there, turn the axes, put it back.
-    const glm::dvec3 offset = eye - pivot;
+    const glm::dvec3 offset = (eye - pivot) * stretch;
     const glm::dvec3 inView(glm::dot(offset, right()), glm::dot(offset, up()), glm::dot(offset, forward()));
     yaw = std::remainder(yaw + deltaYaw, 2 * std::numbers::pi);
     pitch += turn;
-    eye = pivot + right() * inView.x + up() * inView.y + forward() * inView.z;
+    eye = pivot + (right() * inView.x + up() * inView.y + forward() * inView.z) / stretch;
 }
 
 void Camera::pan(glm::dvec2 deltaPx, double heightPx) noexcept
 {
     const double unit = unitsPerPixel(heightPx);
-    const glm::dvec3 move = (up() * deltaPx.y - right() * deltaPx.x) * unit;
+    const glm::dvec3 move = (up() * deltaPx.y - right() * deltaPx.x) * unit / stretch;
     eye += move;
     pivot += move;
 }
@@ -73,13 +75,14 @@ void Camera::zoomTowards(const glm::dvec3& target, double factor) noexcept
 glm::dvec3 Camera::unproject(glm::dvec2 px, glm::dvec2 sizePx) const noexcept
 {
     const double unit = unitsPerPixel(sizePx.y);
-    return eye + forward() * pivotDepth() + right() * ((px.x - sizePx.x / 2) * unit) -
-           up() * ((px.y - sizePx.y / 2) * unit);
+    return eye + (forward() * pivotDepth() + right() * ((px.x - sizePx.x / 2) * unit) -
+                  up() * ((px.y - sizePx.y / 2) * unit)) /
+                     stretch;
 }
 
 glm::dvec3 Camera::project(const glm::dvec3& world, glm::dvec2 sizePx) const noexcept
 {
-    const glm::dvec3 offset = world - eye;
+    const glm::dvec3 offset = (world - eye) * stretch;
     const double depth = glm::dot(offset, forward());
     const double scale = orthographic ? 1.0 / unitsPerPixel(sizePx.y)
                                       : sizePx.y / 2 / std::tan(fovY / 2) / (depth != 0 ? depth : 1e-300);
@@ -89,8 +92,8 @@ glm::dvec3 Camera::project(const glm::dvec3& world, glm::dvec2 sizePx) const noe
 void Camera::fit(const WorldBounds& bounds, glm::dvec2 sizePx) noexcept
 {
     if (bounds.empty()) return;
-    const glm::dvec3 half = (bounds.max - bounds.min) * 0.5;
-    pivot = bounds.min + half;
+    pivot = bounds.min + (bounds.max - bounds.min) * 0.5;
+    const glm::dvec3 half = (bounds.max - pivot) * stretch;
     constexpr double kMargin = 1.04;
     const double tanY = std::tan(fovY / 2) / kMargin;
     const double tanX = tanY * sizePx.x / std::max(sizePx.y, 1.0);
@@ -116,12 +119,12 @@ void Camera::fit(const WorldBounds& bounds, glm::dvec2 sizePx) noexcept
     }
     for (int axis = 0; axis < 2; ++axis) eyeAcross[axis] = (low[axis] + high[axis]) / 2;
     const double distance = eyeDepth < 0 ? -eyeDepth : 1.0;
-    eye = pivot - axes[2] * distance + axes[0] * eyeAcross[0] + axes[1] * eyeAcross[1];
+    eye = pivot + (axes[0] * eyeAcross[0] + axes[1] * eyeAcross[1] - axes[2] * distance) / stretch;
 }
 
 bool Camera::setView(std::string_view name) noexcept
 {
-    const double distance = glm::length(pivot - eye);
+    const double distance = glm::length((pivot - eye) * stretch);
     struct View {
         std::string_view name;
         double yaw, pitch;
@@ -135,8 +138,29 @@ bool Camera::setView(std::string_view name) noexcept
     if (view == std::end(kViews)) return false;
     yaw = view->yaw;
     pitch = view->pitch;
-    eye = pivot - forward() * distance;
+    eye = pivot - forward() * distance / stretch;
     return true;
+}
+
+glm::dvec3 viewStretch(std::string_view horizontalUnit, std::string_view verticalUnit,
+                       const WorldBounds& bounds) noexcept
+{
+    const auto meters = [](std::string_view unit) { return unit == "ft" ? 0.3048 : 1.0; };
+    if (horizontalUnit != "deg") return {1.0, 1.0, meters(verticalUnit) / meters(horizontalUnit)};
+    if (bounds.empty()) return glm::dvec3(1.0);
+    // Radii of curvature of the ellipsoid along the meridian and across it (any textbook of geodesy).
+    constexpr double kEquator = 6378137.0, kEccentricity2 = 0.00669437999014, kDegree = std::numbers::pi / 180.0;
+    const double latitude = std::clamp((bounds.min.y + bounds.max.y) / 2, -89.0, 89.0) * kDegree;
+    const double sine = std::sin(latitude), root = std::sqrt(1.0 - kEccentricity2 * sine * sine);
+    const double across = kEquator / root, along = kEquator * (1.0 - kEccentricity2) / (root * root * root);
+    return {across * std::cos(latitude) * kDegree, along * kDegree, meters(verticalUnit)};
+}
+
+glm::dvec3 viewStretch(const PointCloud& cloud, const WorldBounds& bounds)
+{
+    const std::shared_lock lock(cloud.mutex());
+    const Attribute *const x = cloud.findAttribute("X"), *const z = cloud.findAttribute("Z");
+    return x != nullptr && z != nullptr ? viewStretch(x->unit, z->unit, bounds) : glm::dvec3(1.0);
 }
 
 }  // namespace punctum::render

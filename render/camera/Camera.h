@@ -17,7 +17,8 @@ namespace punctum::render
 ///
 /// Frames: positions in `world` (double, CRS units), angles in radians, screen positions in px from the top left
 /// corner of the picture. yaw 0 looks north (+y), growing yaw turns the view to the left (counter-clockwise seen
-/// from above); pitch 0 is level, -pi/2 looks straight down.
+/// from above); pitch 0 is level, -pi/2 looks straight down. Lengths that are seen (depths, sizes of a px) are in
+/// view units: world units times `stretch`, which makes degrees and meters, or meters and feet, comparable.
 struct Camera {
     glm::dvec3 eye{0.0};
     double yaw = 0.0;
@@ -25,13 +26,14 @@ struct Camera {
     double fovY = 0.785398163397448;  ///< full vertical angle (45 degrees), perspective only
     glm::dvec3 pivot{0.0};            ///< what orbit() turns about and zooming is measured from
     bool orthographic = false;
+    glm::dvec3 stretch{1.0};  ///< view units of a world unit along each axis: see viewStretch()
 
     glm::dvec3 right() const noexcept;
     glm::dvec3 up() const noexcept;
     glm::dvec3 forward() const noexcept;
     /// Distance of the pivot along the view direction; never below a tiny positive number.
     double pivotDepth() const noexcept;
-    /// World units that one px covers at the pivot's depth, for a picture of this height.
+    /// View units that one px covers at the pivot's depth, for a picture of this height.
     double unitsPerPixel(double heightPx) const noexcept;
 
     /// Turns about the pivot by these angles; pitch stops at straight up and down.
@@ -51,5 +53,13 @@ struct Camera {
 
     friend bool operator==(const Camera&, const Camera&) = default;
 };
+
+/// What a camera must stretch so that a cloud with these units (Attribute::unit of X and of Z) has its true shape.
+/// Degrees become meters on the WGS 84 ellipsoid at the latitude of the middle of `bounds`; heights in another unit
+/// of length than X and Y become that one; otherwise nothing is stretched.
+glm::dvec3 viewStretch(std::string_view horizontalUnit, std::string_view verticalUnit,
+                       const WorldBounds& bounds) noexcept;
+/// The same of a cloud; its mutex() must not be held alone by another thread.
+glm::dvec3 viewStretch(const PointCloud& cloud, const WorldBounds& bounds);
 
 }  // namespace punctum::render

@@ -23,10 +23,10 @@ LayerProjection makeProjection(const Camera& camera, const PointStore& store, co
 {
     const CoordinateScale& grid = store.cloud().coordinates();
     const LocalFrame& frame = store.frame();
-    const glm::dvec3 unit = grid.scale * double(1 << frame.shift);  // world units of one local unit
+    const glm::dvec3 unit = grid.scale * camera.stretch * double(1 << frame.shift);  // view units of one local unit
     const glm::dvec3 eyeLocal = frame.toLocal(grid.toRaw(camera.eye));
     const glm::dvec3 reference = glm::round(glm::clamp(eyeLocal, glm::dvec3(0.0), glm::dvec3(double(INT32_MAX))));
-    const glm::dvec3 toReference = (reference - eyeLocal) * unit;  // world, from the eye
+    const glm::dvec3 toReference = (reference - eyeLocal) * unit;  // view units, from the eye
 
     const glm::dvec3 right = camera.right(), up = camera.up(), forward = camera.forward();
     const double focal = part.height / 2.0 / std::tan(camera.fovY / 2);  // px
@@ -49,8 +49,9 @@ LayerProjection makeProjection(const Camera& camera, const PointStore& store, co
         const WorldBounds box = grid.toWorld(store.bounds());
         const double reach =
             box.empty() ? camera.pivotDepth()
-                        : glm::length(glm::max(glm::abs(box.min - camera.eye), glm::abs(box.max - camera.eye)));
-        const double scale = focal / camera.pivotDepth();  // px of a world unit
+                        : glm::length(glm::max(glm::abs(box.min - camera.eye), glm::abs(box.max - camera.eye)) *
+                                      camera.stretch);
+        const double scale = focal / camera.pivotDepth();  // px of a view unit
         p.rowX = row(right * scale, centerX);
         p.rowY = row(-up * scale, centerY);
         p.rowD = row(forward, reach * 1.1);

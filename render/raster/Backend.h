@@ -124,14 +124,14 @@ public:
     /// Makes the picture: colours from each layer's store words, samples averaged. scene.layers as drawn.
     virtual void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) = 0;
 
-    /// Depth of each pixel's nearest sample, along the view direction in world units, rows from the top; infinity
-    /// where there is no point.
+    /// Depth of each pixel's nearest sample, along the view direction in view units (Camera), rows from the top;
+    /// infinity where there is no point.
     virtual void depths(std::vector<float>& out) = 0;
 
     /// Sample nearest to (x, y) px with a point within `radius` px.
     struct Hit {
         PointId id = kNoPoint;
-        float depth = 0;  ///< along the view direction, world units
+        float depth = 0;  ///< along the view direction, view units
     };
     virtual std::optional<Hit> pick(int x, int y, int radius) = 0;
     /// Share of pixels with at least one point.

@@ -7,6 +7,8 @@
 
 #include <QtTest>
 
+#include <numbers>
+
 using namespace punctum;
 using namespace punctum::render;
 
@@ -36,6 +38,7 @@ private Q_SLOTS:
     void zoomKeepsTheTargetInPlace();
     void panFollowsTheMouse();
     void fitShowsTheWholeBox();
+    void degreesHaveTheirTrueShape();
     void farCoordinatesDrawWithoutJitter_data();
     void farCoordinatesDrawWithoutJitter();
 };
@@ -109,6 +112,45 @@ void CameraTest::fitShowsTheWholeBox()
             }
             QVERIFY2(widest > 0.9, view);
         }
+}
+
+// Lengths of a degree on WGS 84 as tables of geodesy have them, and what the camera makes of them.
+void CameraTest::degreesHaveTheirTrueShape()
+{
+    const struct {
+        double latitude, along, across;
+    } table[] = {{0, 110574, 111320}, {45, 111132, 78847}, {60, 111412, 55800}, {-60, 111412, 55800}};
+    for (const auto& row : table) {
+        const glm::dvec3 s = viewStretch("deg", "m", {{7, row.latitude - 1, 0}, {9, row.latitude + 1, 10}});
+        QVERIFY(std::abs(s.y - row.along) < 1 && std::abs(s.x - row.across) < 1 && s.z == 1.0);
+    }
+    const WorldBounds box{{-94.5, 44.99, 100}, {-94.49, 45.01, 150}};
+    QCOMPARE(viewStretch("m", "m", box), glm::dvec3(1));
+    QCOMPARE(viewStretch("m", "ft", box), glm::dvec3(1, 1, 0.3048));
+    QCOMPARE(viewStretch("ft", "ft", box), glm::dvec3(1));
+    QCOMPARE(viewStretch("deg", "ft", box).z, 0.3048);
+    QVERIFY(viewStretch("deg", "m", {{0, -1e6, 0}, {1, 1e6, 1}}).x > 0);  // no latitudes
+
+    // 50 m up are as long on the screen as 50 m to the north, before and after an orbit, a zoom and a shift.
+    Camera camera;
+    camera.orthographic = true;
+    camera.stretch = viewStretch("deg", "m", box);
+    camera.fit(box, kSize);
+    for (int k = 0; k < 3; ++k) {
+        camera.orbit(0.4, 0.1);
+        camera.zoomTowards({-94.495, 45.0, 120}, 0.7);
+        camera.pan({30, -20}, kSize.y);
+        camera.pitch = 0;
+        const glm::dvec3 at = camera.pivot;
+        const glm::dvec3 here = camera.project(at, kSize), up = camera.project(at + glm::dvec3(0, 0, 50), kSize);
+        camera.pitch = -std::numbers::pi / 2;
+        const glm::dvec3 there = camera.project(at, kSize),
+                         north = camera.project(at + glm::dvec3(0, 50 / camera.stretch.y, 0), kSize);
+        const double a = glm::length(glm::dvec2(up - here)), b = glm::length(glm::dvec2(north - there));
+        QVERIFY2(std::abs(a / b - 1) < 1e-3, qPrintable(QString("%1 and %2 px").arg(a).arg(b)));
+        const glm::dvec3 back = camera.unproject(glm::dvec2(there), kSize);
+        QVERIFY(glm::length((back - at) * camera.stretch) < 1e-6 * camera.pivotDepth());
+    }
 }
 
 void CameraTest::farCoordinatesDrawWithoutJitter_data()

@@ -78,7 +78,7 @@ private:
     /// As read.comp writes it.
     struct Sample {
         PointId id;
-        float depth;  ///< along the view direction, world units
+        float depth;  ///< along the view direction, view units
     };
     void read(int x, int y, int width, int height, std::vector<Sample>& out);
 
