@@ -109,7 +109,7 @@ Picture drawPicture(render::ProgressiveRenderer& renderer, int width, int height
         }
     renderer.setPart(std::nullopt);
     if (!depths.empty())
-        render::shadeEyeDome(depths, !renderer.camera().orthographic, float(display.eyeDome), display.pointSize,
+        render::shadeEyeDome(depths, !renderer.camera().orthographic, float(display.eyeDome), display.leastPixels(),
                              picture.image);
     return picture;
 }

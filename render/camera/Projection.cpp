@@ -19,7 +19,7 @@ constexpr double kNearShare = 1e-3;
 }  // namespace
 
 LayerProjection makeProjection(const Camera& camera, const PointStore& store, const PicturePart& part,
-                               double pointSizePx)
+                               const PointStyle& style)
 {
     const CoordinateScale& grid = store.cloud().coordinates();
     const LocalFrame& frame = store.frame();
@@ -38,12 +38,14 @@ LayerProjection makeProjection(const Camera& camera, const PointStore& store, co
     LayerProjection p;
     p.reference = glm::ivec3(reference);
     p.perspective = !camera.orthographic;
-    p.pointSize = float(pointSizePx);
+    p.pointSize = float(style.px);
+    p.round = style.round;
     if (p.perspective) {
         p.rowX = row(right * focal + forward * centerX, 0.0);
         p.rowY = row(forward * centerY - up * focal, 0.0);
         p.rowD = row(forward, 0.0);
         p.nearDepth = float(camera.pivotDepth() * kNearShare);
+        p.sizeOverDepth = float(style.size * focal);
     } else {
         // Depths are lifted so far that everything lies in front, wherever zooming has put the eye.
         const WorldBounds box = grid.toWorld(store.bounds());
@@ -56,6 +58,9 @@ LayerProjection makeProjection(const Camera& camera, const PointStore& store, co
         p.rowY = row(-up * scale, centerY);
         p.rowD = row(forward, reach * 1.1);
         p.nearDepth = 1e-30f;
+        if (style.size > 0)
+            p.pointSize =
+                float(std::clamp(style.size * scale, style.px, std::max(style.px, double(kMostGrownSize))));
     }
     return p;
 }

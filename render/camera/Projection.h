@@ -14,15 +14,22 @@ struct PicturePart {
     friend bool operator==(const PicturePart&, const PicturePart&) = default;
 };
 
+/// What a point looks like.
+struct PointStyle {
+    double px = 1.0;     ///< width; the least where `size` is not 0
+    double size = 0.0;   ///< width in view units (Camera); 0: the width is `px` everywhere
+    bool round = false;  ///< a circle instead of a square
+};
+
 /// How a camera maps a store's local integers to the picture. Computed in double; the reference is the point of the
 /// integer grid nearest to the eye, so that float keeps its digits where one looks from, at any distance from the
 /// origin of the CRS.
 LayerProjection makeProjection(const Camera& camera, const PointStore& store, const PicturePart& part,
-                               double pointSizePx);
+                               const PointStyle& style = {});
 inline LayerProjection makeProjection(const Camera& camera, const PointStore& store, const TargetSize& size,
-                                      double pointSizePx)
+                                      const PointStyle& style = {})
 {
-    return makeProjection(camera, store, PicturePart{0, 0, size.width, size.height}, pointSizePx);
+    return makeProjection(camera, store, PicturePart{0, 0, size.width, size.height}, style);
 }
 
 }  // namespace punctum::render

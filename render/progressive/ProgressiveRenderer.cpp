@@ -4,10 +4,12 @@
 #include "core/task/Progress.h"
 #include "render/raster/LayerLookup.h"
 #include "render/resolve/EyeDome.h"
+#include "render/store/Spacing.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <shared_mutex>
 
@@ -40,10 +42,14 @@ double now()
 struct ProgressiveRenderer::Entry {
     std::shared_ptr<PointStore> store;
     bool loading = true;
-    Slot cursor = 0;               ///< next slot to draw; goes round
-    Slot drawn = 0;                ///< slots drawn in this pass, which shows the present view
-    PointIndex filledAtStart = 0;  ///< points the store had when the pass began
-    PointIndex filledAtRange = 0;  ///< points the store had when the range was last computed
+    Slot cursor = 0;                 ///< next slot to draw; goes round
+    Slot drawn = 0;                  ///< slots drawn in this pass, which shows the present view
+    PointIndex filledAtStart = 0;    ///< points the store had when the pass began
+    Slot colored = 0;                ///< slots whose colors were added, see RasterBackend::addColors()
+    PointIndex filledAtRange = 0;    ///< points the store had when the range was last computed
+    double spacing = 0;              ///< pointSpacing() of ...
+    glm::dvec3 spacingStretch{0};    ///< ... this view and ...
+    PointIndex filledAtSpacing = 0;  ///< ... so many points
 
     bool passDone() const noexcept { return drawn >= store->slotCount() || filledAtStart == 0; }
     bool complete() const noexcept { return passDone() && filledAtStart == store->filled(); }
@@ -64,6 +70,7 @@ void ProgressiveRenderer::setBackend(std::unique_ptr<RasterBackend> backend)
 {
     m_backend = std::move(backend);
     m_cost.reset();
+    m_colorCost.reset();
     m_resolveSeconds = 0;
     m_targetChanged = true;
 }
@@ -132,6 +139,7 @@ void ProgressiveRenderer::valuesChanged(const PointCloud& cloud, const ChangeNot
         if (shownChanged) m_rangeNeeded = true;
         if (classesChanged && !m_scene.allClassesVisible) m_redrawWhenFresh = true;
     }
+    m_colors = {};
     m_resolveNeeded = true;
 }
 
@@ -163,7 +171,9 @@ void ProgressiveRenderer::setDisplay(const DisplaySettings& display)
 {
     const DisplaySettings before = std::exchange(m_display, display);
     if (before.samples != m_display.samples) m_targetChanged = true;
-    if (before.pointSize != m_display.pointSize || before.classVisible != m_display.classVisible)
+    if (before.sizing != m_display.sizing || before.pointSize != m_display.pointSize ||
+        before.worldSize != m_display.worldSize || before.round != m_display.round ||
+        before.classVisible != m_display.classVisible)
         m_viewChanged = true;
     if (before.range != m_display.range || before.attribute != m_display.attribute) m_rangeNeeded = true;
     if (before.attribute != m_display.attribute)
@@ -200,12 +210,29 @@ void ProgressiveRenderer::updateScene()
     const PicturePart part = m_part.value_or(PicturePart{0, 0, m_size.width, m_size.height});
     for (const auto& entry : m_entries) {
         m_scene.layers.push_back(
-            {entry->store.get(), firstId, makeProjection(m_camera, *entry->store, part, m_display.pointSize)});
+            {entry->store.get(), firstId, makeProjection(m_camera, *entry->store, part, styleOf(*entry))});
         firstId += entry->store->slotCount();
     }
     m_scene.classVisible = m_display.classVisible;
     m_scene.allClassesVisible =
         std::all_of(m_scene.classVisible.begin(), m_scene.classVisible.end(), [](bool visible) { return visible; });
+}
+
+PointStyle ProgressiveRenderer::styleOf(Entry& entry) const
+{
+    PointStyle style{m_display.leastPixels(), 0.0, m_display.round};
+    if (m_display.sizing == PointSizing::World) style.size = m_display.worldSize;
+    if (m_display.sizing != PointSizing::Density) return style;
+    const PointIndex filled = entry.store->filled();
+    const bool grown = filled > entry.filledAtSpacing + entry.filledAtSpacing / 2;
+    if (grown || (filled != entry.filledAtSpacing && !entry.loading) || entry.spacingStretch != m_camera.stretch) {
+        const std::shared_lock lock(entry.store->cloud().mutex());
+        entry.spacing = pointSpacing(*entry.store, m_camera.stretch);
+        entry.filledAtSpacing = filled;
+        entry.spacingStretch = m_camera.stretch;
+    }
+    style.size = entry.spacing * m_display.pointSize;
+    return style;
 }
 
 void ProgressiveRenderer::updateRange()
@@ -244,7 +271,7 @@ void ProgressiveRenderer::updateRange()
 void ProgressiveRenderer::beginPass() noexcept
 {
     for (const auto& entry : m_entries) {
-        entry->drawn = 0;
+        entry->drawn = entry->colored = 0;
         entry->filledAtStart = entry->store->filled();
     }
 }
@@ -265,6 +292,7 @@ void ProgressiveRenderer::refreshVisible()
         const std::shared_lock lock(store.cloud().mutex());
         store.refresh(slots[layer]);
     }
+    m_colors = {};
     m_resolveNeeded = true;
 }
 
@@ -292,6 +320,7 @@ PointIndex ProgressiveRenderer::fill(double deadline)
             Entry& entry = *m_entries[k];
             if (entry.passDone() && entry.filledAtStart != entry.store->filled()) {
                 entry.drawn = 0;  // more has arrived meanwhile: once round again
+                m_colors = {};
                 entry.filledAtStart = entry.store->filled();
             }
             if (entry.passDone()) continue;
@@ -320,9 +349,8 @@ PointIndex ProgressiveRenderer::fill(double deadline)
     }
 }
 
-void ProgressiveRenderer::resolveImage()
+ResolveSettings ProgressiveRenderer::colorSettings() const
 {
-    const double started = now();
     ResolveSettings settings;
     for (const auto& entry : m_entries) {
         LayerColors colors;
@@ -335,13 +363,48 @@ void ProgressiveRenderer::resolveImage()
     }
     settings.colorMap = banded(chosenColorMap(m_display.colorMap, shownAttribute()).table, m_display.bands);
     settings.palette = m_display.palette;
+    settings.normals = m_display.normals;
+    settings.light = glm::vec3(m_camera.forward());
     settings.backgroundTop = m_display.backgroundTop;
     settings.backgroundBottom = m_display.backgroundBottom;
     if (m_part) settings.rows = {m_part->y, m_part->height};
+    return settings;
+}
+
+void ProgressiveRenderer::addColors(const ResolveSettings& settings, double deadline)
+{
+    ResolveSettings colors = settings;
+    colors.backgroundTop = colors.backgroundBottom = {};
+    if (m_colors != colors) {
+        m_backend->clearColors();
+        for (const auto& entry : m_entries) entry->colored = 0;
+        m_colors = std::move(colors);
+    }
+    for (std::size_t k = 0; k < m_entries.size(); ++k) {
+        Entry& entry = *m_entries[k];
+        const Slot slots = entry.store->slotCount();
+        while (entry.colored < slots) {
+            const double started = now();
+            const auto run = std::clamp<std::uint64_t>(m_colorCost.affordable(std::max(0.0, deadline - started)),
+                                                       kLeastRun, slots - entry.colored + kLeastRun);
+            const Slot count = Slot(std::min<std::uint64_t>(run, slots - entry.colored));
+            m_backend->addColors(m_scene, settings, k, {entry.colored, entry.colored + count});
+            m_backend->finish();
+            m_colorCost.observe(count, now() - started);
+            entry.colored += count;
+            m_resolveNeeded = true;
+            if (now() >= deadline) return;
+        }
+    }
+}
+
+void ProgressiveRenderer::resolveImage(const ResolveSettings& settings)
+{
+    const double started = now();
     m_backend->resolve(m_scene, settings, m_image);
     if (m_display.eyeDome > 0 && !m_part) {
         m_backend->depths(m_depths);
-        shadeEyeDome(m_depths, !m_camera.orthographic, float(m_display.eyeDome), m_display.pointSize, m_image);
+        shadeEyeDome(m_depths, !m_camera.orthographic, float(m_display.eyeDome), m_display.leastPixels(), m_image);
     }
     m_resolveNeeded = false;
     const double seconds = now() - started;
@@ -351,8 +414,9 @@ void ProgressiveRenderer::resolveImage()
 bool ProgressiveRenderer::ready() const noexcept
 {
     return !m_targetChanged && !m_layersChanged && !m_viewChanged && !m_resolveNeeded &&
-           std::all_of(m_entries.begin(), m_entries.end(),
-                       [](const auto& e) { return e->complete() && !e->store->stale(); });
+           std::all_of(m_entries.begin(), m_entries.end(), [&](const auto& e) {
+               return e->complete() && !e->store->stale() && (!averaging() || e->colored == e->store->slotCount());
+           });
 }
 
 bool ProgressiveRenderer::converged() const noexcept
@@ -406,7 +470,11 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
     refreshVisible();
     if (streaming) streamAttributes(std::max(deadline, now() + 0.001));
     if (m_rangeNeeded) updateRange();
-    resolveImage();
+    const ResolveSettings settings = colorSettings();
+    if (averaging() && std::all_of(m_entries.begin(), m_entries.end(),
+                                   [](auto& e) { return e->complete() && !e->store->stale(); }))
+        addColors(settings, deadline);
+    resolveImage(settings);
 
     std::uint64_t drawn = 0, slots = 0;
     for (const auto& entry : m_entries) {
@@ -442,7 +510,9 @@ FrameReport ProgressiveRenderer::renderBruteForce()
     m_backend->finish();
     refreshVisible();
     if (m_rangeNeeded) updateRange();
-    resolveImage();
+    const ResolveSettings settings = colorSettings();
+    if (averaging()) addColors(settings, std::numeric_limits<double>::infinity());
+    resolveImage(settings);
     report.share = 1.0;
     report.converged = ready();
     report.seconds = now() - started;

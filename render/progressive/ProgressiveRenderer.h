@@ -3,6 +3,7 @@
 
 #include "render/camera/Camera.h"
 #include "render/camera/Projection.h"
+#include "render/progressive/DisplaySettings.h"
 #include "render/progressive/FrameCostModel.h"
 #include "render/raster/Backend.h"
 
@@ -14,23 +15,6 @@
 
 namespace punctum::render
 {
-
-/// What the user chose to see; belongs to the view, not to a cloud.
-struct DisplaySettings {
-    std::string attribute;  ///< name; a cloud without it keeps what it shows (first: see firstAttribute)
-    std::string colorMap;   ///< Scalar attributes; empty: suitableColorMap()
-    std::optional<std::pair<double, double>> range;  ///< Scalar; none: 2nd to 98th percentile over all clouds
-    std::array<Rgba8, 256> palette{};                ///< Class; defaults to asprsClasses()
-    std::array<bool, 256> classVisible{};            ///< defaults to all
-    double pointSize = 1.0;                          ///< px
-    int bands = 0;                                   ///< Scalar: steps of the color map; 0: smooth
-    double eyeDome = 0.0;                            ///< strength of eye-dome lighting, 1 as usual; 0: none
-    int samples = 1;                                 ///< a pixel; the next lower of kSampleCounts
-    Rgba8 backgroundTop{38, 44, 52, 255};
-    Rgba8 backgroundBottom{16, 18, 22, 255};
-
-    DisplaySettings();
-};
 
 /// What one call of renderFrame did.
 struct FrameReport {
@@ -110,8 +94,13 @@ private:
     void beginPass() noexcept;
     void refreshVisible();
     void streamAttributes(double deadline);
+    PointStyle styleOf(Entry& entry) const;
     PointIndex fill(double deadline);
-    void resolveImage();
+    ResolveSettings colorSettings() const;
+    bool averaging() const noexcept { return m_display.averaged && m_backend->averages(); }
+    /// Once all points are drawn: goes on adding colors, from the start when they have become others.
+    void addColors(const ResolveSettings& settings, double deadline);
+    void resolveImage(const ResolveSettings& settings);
 
     std::unique_ptr<RasterBackend> m_backend;
     std::vector<std::unique_ptr<Entry>> m_entries;
@@ -122,7 +111,9 @@ private:
     std::optional<PicturePart> m_part;
     std::pair<double, double> m_range{0.0, 1.0};
     Image m_image;
-    FrameCostModel m_cost;
+    FrameCostModel m_cost;       ///< of drawing
+    FrameCostModel m_colorCost;  ///< of addColors()
+    ResolveSettings m_colors;    ///< that colors were added with
     std::vector<PointId> m_visible;
     std::vector<float> m_depths;
     double m_resolveSeconds = 0;  ///< what making the picture costs, learnt

@@ -57,26 +57,45 @@ using SamplePlace = std::uint8_t[2];
 /// drivers have too. `samples` is one of kSampleCounts.
 const SamplePlace* samplePlaces(int samples) noexcept;
 
+/// Widest point whose size follows its depth: nearer ones would be all of the picture.
+constexpr float kMostGrownSize = 64.0f;  // px
+/// 1.5 px: the narrowest circle that holds a sample wherever it lies.
+constexpr int kLeastRoundSteps = 24;
+
 /// Maps a store's local integers to the picture, in float, exact near the eye:
 ///     q = float(local - reference)
 ///     depth = dot(rowD.xyz, q) + rowD.w        along the view direction, > 0 in front
 ///     w     = perspective ? depth : 1
 ///     x_px  = (dot(rowX.xyz, q) + rowX.w) / w  from the left edge
 ///     y_px  = (dot(rowY.xyz, q) + rowY.w) / w  from the top edge
-/// A point is drawn when depth >= nearDepth, as a square of pointSize px around (x_px, y_px). Its size and its left
-/// and top edge are put on the grid of the samples (size = round(pointSize * kSampleSteps), at least 1;
-/// left = floor((x_px - size / 2) * kSampleSteps)): it covers each sample in (left, left + size], and so for y.
+/// A point is drawn when depth >= nearDepth, as a square around (x_px, y_px). Its size and its left and top edge
+/// are put on the grid of the samples (size = round(width * kSampleSteps), at least 1; left = floor((x_px - size /
+/// 2) * kSampleSteps)): it covers each sample in (left, left + size], and so for y. Its width is pointSize px;
+/// where sizeOverDepth is not 0, sizeOverDepth / depth px, but at least pointSize and at most kMostGrownSize.
+///
+/// Round points cover of their square the samples in the circle that touches its edges. Those narrower than
+/// kLeastRoundSteps stay squares, because a circle would miss all samples at times.
 struct LayerProjection {
     glm::ivec3 reference{0};
     glm::vec4 rowX{0}, rowY{0}, rowD{0};
     bool perspective = true;
     float nearDepth = 1e-6f;
     float pointSize = 1.0f;
-    /// Of the square, in steps of 1/kSampleSteps px.
+    float sizeOverDepth = 0.0f;
+    bool round = false;
+    /// Of the square (the least where it grows), in steps of 1/kSampleSteps px.
     int sizeInSteps() const noexcept
     {
         const float steps = pointSize * float(kSampleSteps) + 0.5f;
         return steps >= 1.0f ? int(std::min(steps, 1e6f)) : 1;
+    }
+    bool grows() const noexcept { return sizeOverDepth > 0.0f; }
+    /// px that a point can reach beyond its middle to each side, and one more.
+    float margin() const noexcept { return std::max(pointSize, grows() ? kMostGrownSize : 0.0f) / 2 + 1; }
+    /// Whether every point is one sample's square, which is drawn fastest.
+    bool singlePixels(int samples) const noexcept
+    {
+        return samples == 1 && !grows() && sizeInSteps() == kSampleSteps;
     }
 };
 
@@ -120,6 +139,14 @@ public:
     virtual void draw(const FrameScene& scene, std::size_t layer, SlotRange slots) = 0;
     /// Waits until everything asked for is in the buffer: makes clocks around draw() mean something.
     virtual void finish() = 0;
+
+    /// Whether it can average the colors of points that lie closely behind each other: addColors().
+    virtual bool averages() const noexcept { return false; }
+    /// Forgets what addColors() added, as clear(), reproject() and setTarget() do.
+    virtual void clearColors() {}
+    /// Adds the colors of a run of slots to the samples whose nearest point is at most 1 % nearer. Once all points
+    /// have been drawn and then added, resolve() shows the means: high-quality shading (2022 paper, section 3.6).
+    virtual void addColors(const FrameScene&, const ResolveSettings&, std::size_t, SlotRange) {}
 
     /// Makes the picture: colours from each layer's store words, samples averaged. scene.layers as drawn.
     virtual void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) = 0;

@@ -66,7 +66,7 @@ double measure(RasterBackend& backend, const PointStore& store, double least)
     camera.setView("iso");
     camera.fit(store.cloud().coordinates().toWorld(store.bounds()), {kSize.width, kSize.height});
     FrameScene scene;
-    scene.layers.push_back({&store, 0, makeProjection(camera, store, kSize, 1.0)});
+    scene.layers.push_back({&store, 0, makeProjection(camera, store, kSize)});
     scene.classVisible.fill(true);
     scene.allClassesVisible = true;
     ResolveSettings settings;

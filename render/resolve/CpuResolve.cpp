@@ -28,6 +28,13 @@ Rgba8 average(const Rgba8* colors, std::uint32_t count) noexcept
             std::uint8_t((a + count / 2) / count)};
 }
 
+Rgba8 mean(const CpuSums::Sum& sum) noexcept
+{
+    const std::uint64_t count = std::uint32_t(sum.blueCount);
+    const auto part = [count](std::uint64_t total) { return std::uint8_t((total + count / 2) / count); };
+    return {part(sum.redGreen >> 32), part(std::uint32_t(sum.redGreen)), part(sum.blueCount >> 32), 255};
+}
+
 }  // namespace
 
 Rgba8 backgroundOf(int row, int height, const ResolveSettings& settings) noexcept
@@ -41,8 +48,8 @@ Rgba8 backgroundOf(int row, int height, const ResolveSettings& settings) noexcep
     return {blend(t.r, b.r), blend(t.g, b.g), blend(t.b, b.b), blend(t.a, b.a)};
 }
 
-void resolveCells(std::span<const std::uint64_t> cells, const TargetSize& size, const FrameScene& scene,
-                  const ResolveSettings& settings, Image& out)
+void resolveCells(std::span<const std::uint64_t> cells, std::span<const CpuSums::Sum> sums, const TargetSize& size,
+                  const FrameScene& scene, const ResolveSettings& settings, Image& out)
 {
     out.resize(size.width, size.height);
     const auto samples = std::size_t(size.samples);
@@ -52,6 +59,7 @@ void resolveCells(std::span<const std::uint64_t> cells, const TargetSize& size, 
         for (int y = rows.begin(); y != rows.end(); ++y) {
             const std::uint64_t* const row = cells.data() + std::size_t(y) * rowCells;
             Rgba8* const pixels = &out.pixels[std::size_t(y) * std::size_t(size.width)];
+            const CpuSums::Sum* const rowSums = sums.empty() ? nullptr : sums.data() + std::size_t(y) * rowCells;
             Rgba8* const target = samples == 1 ? pixels : colors.data();
             const Rgba8 background = backgroundOf(y, size.height, settings);
             if (scene.layers.empty()) {
@@ -70,6 +78,10 @@ void resolveCells(std::span<const std::uint64_t> cells, const TargetSize& size, 
                 const auto id = PointId(row[k]);
                 if (id == kNoPoint) {
                     target[k] = background;
+                    continue;
+                }
+                if (rowSums != nullptr && rowSums[k].blueCount != 0) {
+                    target[k] = mean(rowSums[k]);
                     continue;
                 }
                 const std::size_t layer = lookup.layerOf(id);

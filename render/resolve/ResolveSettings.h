@@ -5,6 +5,8 @@
 #include "render/resolve/Image.h"
 #include "render/store/AttributeEncoder.h"
 
+#include <glm/vec3.hpp>
+
 #include <vector>
 
 namespace punctum::render
@@ -15,20 +17,31 @@ struct LayerColors {
     WordKind kind = WordKind::Scalar;
     float low = 0.0f;   ///< Scalar: value - bias that gets the first colour of the map
     float high = 1.0f;  ///< Scalar: value - bias that gets the last
+    friend bool operator==(const LayerColors&, const LayerColors&) = default;
+};
+
+/// What is shown of directions.
+enum class NormalLook {
+    Lit,        ///< a gray surface, lit by a lamp at the eye; both of its sides
+    Direction,  ///< x, y and z as red, green and blue
 };
 
 /// All that decides colours; changing it touches no point.
 struct ResolveSettings {
-    std::vector<LayerColors> layers;  ///< one for each layer of the scene
-    ColorTable colorMap{};            ///< Scalar
-    ColorTable palette{};             ///< Class
+    std::vector<LayerColors> layers;       ///< one for each layer of the scene
+    ColorTable colorMap{};                 ///< Scalar
+    ColorTable palette{};                  ///< Class
+    NormalLook normals = NormalLook::Lit;  ///< Normal
+    glm::vec3 light{0, 0, -1};             ///< Normal: where the lamp shines, of length 1
     Rgba8 noValue{128, 128, 128, 255};
     Rgba8 backgroundTop{38, 44, 52, 255};  ///< alpha 0 in both: transparent
     Rgba8 backgroundBottom{16, 18, 22, 255};
     struct Rows {
         int first = 0;  ///< of the background that lies behind the picture's first row
         int count = 0;  ///< of the whole background; 0: as many as the picture has
+        friend bool operator==(const Rows&, const Rows&) = default;
     } rows;
+    friend bool operator==(const ResolveSettings&, const ResolveSettings&) = default;
 };
 
 /// The colour of one word: the reference that every backend follows.

@@ -7,6 +7,9 @@
 
 namespace punctum::render {
 
+/// Of a surface that is seen edgewise.
+inline constexpr float kLeastLight = 38.0f;
+
 inline Rgba8 colorOf(std::uint32_t word, const LayerColors& layer, const ResolveSettings& settings) noexcept
 {
     switch (layer.kind) {
@@ -19,6 +22,20 @@ inline Rgba8 colorOf(std::uint32_t word, const LayerColors& layer, const Resolve
     }
     case WordKind::Class: return settings.palette[word & 255u];
     case WordKind::Category: return categoryColor(word);
+    case WordKind::Normal: {
+        if (word == 0) return settings.noValue;
+        const auto part = [word](int shift) { return (float((word >> shift) & 1023u) - 512.0f) / 511.0f; };
+        const glm::vec3 n(part(0), part(10), part(20));
+        if (settings.normals == NormalLook::Direction) {
+            const auto channel = [](float v) { return std::uint8_t(std::clamp(v * 127.5f + 127.5f, 0.0f, 255.0f) + 0.5f); };
+            return {channel(n.x), channel(n.y), channel(n.z), 255};
+        }
+        const glm::vec3 l = settings.light;
+        const float length = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
+        const float facing = length > 0.0f ? std::abs(n.x * l.x + n.y * l.y + n.z * l.z) / length : 0.0f;
+        const auto gray = std::uint8_t(std::min(kLeastLight + (255.0f - kLeastLight) * facing, 255.0f) + 0.5f);
+        return {gray, gray, gray, 255};
+    }
     case WordKind::Color: break;
     }
     return std::bit_cast<Rgba8>(word);

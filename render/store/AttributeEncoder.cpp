@@ -23,8 +23,9 @@ WordKind wordKindOf(const Attribute& a) noexcept
         case AttributeKind::Category:
             return a.integral() ? WordKind::Category : WordKind::Scalar;
         case AttributeKind::Color:
-        case AttributeKind::Vector:
             return WordKind::Color;
+        case AttributeKind::Vector:
+            return WordKind::Normal;
         case AttributeKind::Scalar:
         case AttributeKind::Opaque:
             break;
@@ -32,10 +33,10 @@ WordKind wordKindOf(const Attribute& a) noexcept
     return WordKind::Scalar;
 }
 
-/// A component of a direction, -1..1, as a colour channel.
-std::uint32_t channelOf(float v) noexcept
+/// A component of a direction, -1..1, as WordKind::Normal has it; 0 for no number.
+std::uint32_t tenBits(float v) noexcept
 {
-    return std::isnan(v) ? 128u : std::uint32_t(std::clamp(v * 127.5f + 127.5f, 0.0f, 255.0f) + 0.5f);
+    return std::isnan(v) ? 0u : std::uint32_t(std::clamp(v, -1.0f, 1.0f) * 511.0f + 512.5f);
 }
 
 }  // namespace
@@ -76,14 +77,18 @@ bool AttributeEncoder::encodeParts(std::size_t count, const Part& part, std::uin
         if (m_kind == WordKind::Scalar) {
             m_attribute.gather(points, m_bias, values);
             std::memcpy(words, values, n * sizeof(float));
+        } else if (m_kind == WordKind::Normal) {
+            m_attribute.gather(points, 0.0, values, 0);
+            for (std::size_t k = 0; k < n; ++k) words[k] = tenBits(values[k]);
+            for (std::uint32_t c = 1; c < 3; ++c) {
+                m_attribute.gather(points, 0.0, values, c);
+                for (std::size_t k = 0; k < n; ++k) {
+                    const std::uint32_t bits = tenBits(values[k]);
+                    words[k] = words[k] == 0 || bits == 0 ? 0 : words[k] | bits << (10 * c);
+                }
+            }
         } else if (m_kind != WordKind::Color) {
             m_attribute.gatherBits(points, words);
-        } else if (m_attribute.kind == AttributeKind::Vector) {
-            std::fill_n(words, n, 0xFF000000u);
-            for (std::uint32_t c = 0; c < 3; ++c) {
-                m_attribute.gather(points, 0.0, values, c);
-                for (std::size_t k = 0; k < n; ++k) words[k] |= channelOf(values[k]) << (8 * c);
-            }
         } else {
             std::fill_n(words, n, 0xFF000000u);
             for (std::uint32_t c = 0; c < 3; ++c) {

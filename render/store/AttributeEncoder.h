@@ -15,6 +15,7 @@ enum class WordKind : std::uint32_t {
     Class = 1,     ///< class code: palette
     Category = 2,  ///< id: categoryColor()
     Color = 3,     ///< r, g, b, 255 from the lowest byte on
+    Normal = 4,    ///< x, y, z from the lowest bit on, 10 bits each: 512 + 511 times the component; 0: no value
 };
 
 /// Turns an attribute's values into the 4 bytes a slot that drawing needs. Immutable; any thread.

@@ -140,10 +140,14 @@ void CameraTest::degreesHaveTheirTrueShape()
         camera.orbit(0.4, 0.1);
         camera.zoomTowards({-94.495, 45.0, 120}, 0.7);
         camera.pan({30, -20}, kSize.y);
-        camera.pitch = 0;
+        const auto lookAt = [&, depth = camera.pivotDepth()](double pitch) {
+            camera.pitch = pitch;
+            camera.eye = camera.pivot - camera.forward() * depth / camera.stretch;
+        };
+        lookAt(0);
         const glm::dvec3 at = camera.pivot;
         const glm::dvec3 here = camera.project(at, kSize), up = camera.project(at + glm::dvec3(0, 0, 50), kSize);
-        camera.pitch = -std::numbers::pi / 2;
+        lookAt(-std::numbers::pi / 2);
         const glm::dvec3 there = camera.project(at, kSize),
                          north = camera.project(at + glm::dvec3(0, 50 / camera.stretch.y, 0), kSize);
         const double a = glm::length(glm::dvec2(up - here)), b = glm::length(glm::dvec2(north - there));
@@ -184,7 +188,7 @@ void CameraTest::farCoordinatesDrawWithoutJitter()
                 camera.pivot = target;
                 camera.eye = target - camera.forward() * (scale * 100);
             }
-            const LayerProjection p = makeProjection(camera, store, size, 1.0);
+            const LayerProjection p = makeProjection(camera, store, size);
             int checked = 0;
             for (PointIndex i = 0; i < cloud->size(); ++i) {
                 const glm::dvec3 exact = camera.project(cloud->world(i), kSize);

@@ -47,9 +47,17 @@ void CpuKernelsTest::splatsAreExact_data()
 {
     QTest::addColumn<int>("samples");
     QTest::addColumn<float>("size");
-    for (const int samples : kSampleCounts)
+    QTest::addColumn<bool>("round");
+    QTest::addColumn<float>("sizeOverDepth");
+    for (const int samples : kSampleCounts) {
         for (const float size : {0.01f, 0.5f, 1.0f, 1.3f, 2.0f, 2.5f, 3.0f, 9.75f})
-            QTest::addRow("%d samples, %g px", samples, double(size)) << samples << size;
+            for (const bool round : {false, true})
+                QTest::addRow("%d samples, %g px%s", samples, double(size), round ? ", round" : "")
+                    << samples << size << round << 0.0f;
+        for (const bool round : {false, true})
+            QTest::addRow("%d samples, 1.25 to 8 px by depth%s", samples, round ? ", round" : "")
+                << samples << 1.25f << round << 12.0f;
+    }
 }
 
 // Bit for bit: the cells after some blocks, among them many points in one place, equal depths, places on the grid
@@ -58,17 +66,23 @@ void CpuKernelsTest::splatsAreExact()
 {
     QFETCH(int, samples);
     QFETCH(float, size);
+    QFETCH(bool, round);
+    QFETCH(float, sizeOverDepth);
     constexpr int kWidth = 37, kHeight = 23, kBlocks = 12;
     LayerProjection projection;
     projection.pointSize = size;
-    const int steps = projection.sizeInSteps();
-    const bool pixels = samples == 1 && steps == kSampleSteps;
-    const float margin = pixels ? 0.0f : size / 2 + 1;
+    projection.sizeOverDepth = sizeOverDepth;
+    projection.round = round;
+    const int least = projection.sizeInSteps(), most = 8 * kSampleSteps;
+    const bool pixels = projection.singlePixels(samples);
+    const float margin = pixels ? 0.0f : 5;
     for (const KernelChoice& kernel : kernels()) {
         std::vector<std::uint64_t> cells(std::size_t(kWidth * kHeight * samples) + 1, ~std::uint64_t(0));
         cells.back() = 0;
         std::vector<std::uint64_t> expected = cells;
-        const SplatTarget target{cells.data(), kWidth, kHeight, samples, steps, samplePlaces(samples)};
+        const SplatTarget target{
+            cells.data(), kWidth, kHeight, samples, least, samplePlaces(samples), sizeOverDepth * kSampleSteps,
+            most,         round};
         for (std::uint64_t b = 0; b < kBlocks; ++b) {
             ProjectedBlock block;
             const std::size_t count = b == 0 ? kProjectBlock : test::hash(b) % kProjectBlock;
@@ -82,7 +96,11 @@ void CpuKernelsTest::splatsAreExact()
                 }
                 block.x[k] = std::clamp(block.x[k], -margin, std::nextafter(kWidth + margin, 0.0f));
                 block.y[k] = std::clamp(block.y[k], -margin, std::nextafter(kHeight + margin, 0.0f));
-                block.depth[k] = std::bit_cast<std::uint32_t>(std::floor(between(1, 9, seed + 2)));
+                const float depth = std::floor(between(1, 9, seed + 2));
+                block.depth[k] = std::bit_cast<std::uint32_t>(depth);
+                const int steps = sizeOverDepth > 0
+                                      ? std::clamp(int(sizeOverDepth * kSampleSteps / depth + 0.5f), least, most)
+                                      : least;
                 block.id[k] = std::uint32_t(test::hash(seed + 3));
                 const std::uint64_t key = std::uint64_t(block.depth[k]) << 32 | block.id[k];
                 const double left = std::floor((double(block.x[k]) - steps / 32.0) * 16),
@@ -93,7 +111,11 @@ void CpuKernelsTest::splatsAreExact()
                         for (int s = 0; s < samples; ++s, ++at) {
                             const int sx = x * 16 + samplePlaces(samples)[s][0],
                                       sy = y * 16 + samplePlaces(samples)[s][1];
-                            if (sx > left && sx <= left + steps && sy > top && sy <= top + steps)
+                            // from the middle of the samples that the square covers
+                            const double dx = sx - left - (steps + 1) / 2.0, dy = sy - top - (steps + 1) / 2.0;
+                            const bool inside = !round || steps < kLeastRoundSteps ||
+                                                4 * (dx * dx + dy * dy) <= double(steps) * steps;
+                            if (sx > left && sx <= left + steps && sy > top && sy <= top + steps && inside)
                                 expected[at] = std::min(expected[at], key);
                         }
             }

@@ -565,7 +565,7 @@ void GlBackendChecks::rebuiltStoresAreSeen()
     const Camera camera = cameraFor(*cloud);
     const TargetSize size{kWidth, kHeight, 1};
     FrameScene scene;
-    scene.layers.push_back({&store, 0, makeProjection(camera, store, size, 1.0)});
+    scene.layers.push_back({&store, 0, makeProjection(camera, store, size)});
     const auto backend = gl();
     backend->setTarget(size);
     backend->draw(scene, 0, {0, store.slotCount()});
@@ -573,7 +573,7 @@ void GlBackendChecks::rebuiltStoresAreSeen()
     QVERIFY(before > 0.05);
     store.setBounds(bounds);
     QVERIFY(!store.outgrown());
-    scene.layers[0].projection = makeProjection(camera, store, size, 1.0);
+    scene.layers[0].projection = makeProjection(camera, store, size);
     backend->reproject(scene);
     QVERIFY(std::abs(backend->coveredShare() - before) < 0.01 * before);
     backend->draw(scene, 0, {0, store.slotCount()});

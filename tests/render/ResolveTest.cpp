@@ -103,10 +103,10 @@ void ResolveTest::samplesAverageByAlpha()
     settings.backgroundTop = settings.backgroundBottom = {0, 0, 100, 255};
     const std::vector<std::uint64_t> cells{~0ull, 0, ~0ull, ~0ull};  // one sample of four sees the point
     Image image;
-    resolveCells(cells, {1, 1, 4}, scene, settings, image);
+    resolveCells(cells, {}, {1, 1, 4}, scene, settings, image);
     QCOMPARE(image.at(0, 0), (Rgba8{50, 25, 75, 255}));
     settings.backgroundTop = settings.backgroundBottom = {0, 0, 0, 0};
-    resolveCells(cells, {1, 1, 4}, scene, settings, image);
+    resolveCells(cells, {}, {1, 1, 4}, scene, settings, image);
     QCOMPARE(image.at(0, 0), (Rgba8{200, 100, 0, 64}));
 }
 
@@ -116,7 +116,7 @@ void ResolveTest::backgroundIsAGradient()
     settings.backgroundTop = {0, 0, 0, 255};
     settings.backgroundBottom = {200, 100, 50, 255};
     Image image;
-    resolveCells(std::vector<std::uint64_t>(15, ~0ull), {3, 5, 1}, {}, settings, image);
+    resolveCells(std::vector<std::uint64_t>(15, ~0ull), {}, {3, 5, 1}, {}, settings, image);
     QCOMPARE(image.at(0, 0), (Rgba8{0, 0, 0, 255}));
     QCOMPARE(image.at(2, 2), (Rgba8{100, 50, 25, 255}));
     QCOMPARE(image.at(1, 4), (Rgba8{200, 100, 50, 255}));

@@ -50,8 +50,15 @@ Drawing prepare(const KernelChoice& kernel, const FrameScene& scene, std::size_t
     const LayerProjection& p = l.projection;
     Drawing d{};
     d.kernel = kernel;
-    d.target = {cells, size.width, size.height, size.samples, p.sizeInSteps(), samplePlaces(size.samples)};
-    const bool pixels = size.samples == 1 && d.target.size == kSampleSteps;
+    d.target = {cells,
+                size.width,
+                size.height,
+                size.samples,
+                p.sizeInSteps(),
+                samplePlaces(size.samples),
+                p.sizeOverDepth * float(kSampleSteps),
+                std::max(p.sizeInSteps(), int(kMostGrownSize) * kSampleSteps),
+                p.round};
     for (int k = 0; k < 4; ++k) {
         d.arguments.rowX[k] = p.rowX[k];
         d.arguments.rowY[k] = p.rowY[k];
@@ -60,7 +67,7 @@ Drawing prepare(const KernelChoice& kernel, const FrameScene& scene, std::size_t
     for (int k = 0; k < 3; ++k) d.arguments.reference[k] = p.reference[k];
     d.arguments.perspective = p.perspective;
     d.arguments.nearDepth = p.nearDepth;
-    const float margin = pixels ? 0.0f : p.pointSize / 2 + 1;
+    const float margin = p.singlePixels(size.samples) ? 0.0f : p.margin();
     d.arguments.lowX = d.arguments.lowY = -margin;
     d.arguments.highX = float(size.width) + margin;
     d.arguments.highY = float(size.height) + margin;
@@ -147,6 +154,7 @@ std::span<const std::uint64_t> CpuBackend::cells() const noexcept
 void CpuBackend::clear()
 {
     m_bands.clear();  // ids may have other meanings from now on
+    m_sums.clear();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells().size(), std::size_t(1) << 15),
                       [&](const auto& r) { std::fill_n(cellSpan().data() + r.begin(), r.size(), kEmpty); });
 }
@@ -169,6 +177,7 @@ void CpuBackend::visibleIds(std::vector<PointId>& out)
 
 void CpuBackend::reproject(const FrameScene& scene)
 {
+    m_sums.clear();
     // One pass takes the ids out and leaves the buffer empty; ids of a layer stay together.
     const std::size_t layers = scene.layers.size(), bands = (cells().size() + kBandCells - 1) / kBandCells;
     if (m_bands.size() != bands * layers) m_bands.assign(bands * layers, {});
@@ -214,9 +223,29 @@ void CpuBackend::draw(const FrameScene& scene, std::size_t layer, SlotRange slot
     });
 }
 
+void CpuBackend::addColors(const FrameScene& scene, const ResolveSettings& settings, std::size_t layer,
+                           SlotRange slots)
+{
+    m_sums.reserve(cells().size());
+    const Drawing d = prepare(m_kernel, scene, layer, m_size, cellSpan().data());
+    const std::uint32_t* const words = scene.layers[layer].store->words().data();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(slots.first, slots.last, kDrawGrain), [&](const auto& r) {
+        ProjectedBlock block;
+        Rgba8 colors[kProjectBlock];
+        for (std::size_t at = r.begin(); at < r.end(); at += kProjectBlock) {
+            const std::size_t count = std::min(kProjectBlock, r.end() - at);
+            const std::size_t kept = keepShown(
+                d, block, m_kernel.project(&d.positions[at].x, count, d.firstId + PointId(at), d.arguments, block));
+            for (std::size_t k = 0; k < kept; ++k)
+                colors[k] = colorOf(words[block.id[k] - d.firstId], settings.layers[layer], settings);
+            m_sums.add(d.target, block, kept, colors);
+        }
+    });
+}
+
 void CpuBackend::resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out)
 {
-    resolveCells(cells(), m_size, scene, settings, out);
+    resolveCells(cells(), m_sums.sums(), m_size, scene, settings, out);
 }
 
 void CpuBackend::depths(std::vector<float>& out)

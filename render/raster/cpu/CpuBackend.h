@@ -4,6 +4,7 @@
 #include "core/cloud/Buffer.h"
 #include "render/raster/Backend.h"
 #include "render/raster/cpu/CpuKernels.h"
+#include "render/raster/cpu/CpuSums.h"
 
 namespace punctum::render
 {
@@ -28,6 +29,10 @@ public:
     void reproject(const FrameScene& scene) override;
     void draw(const FrameScene& scene, std::size_t layer, SlotRange slots) override;
     void finish() override {}
+    bool averages() const noexcept override { return true; }
+    void clearColors() override { m_sums.clear(); }
+    void addColors(const FrameScene& scene, const ResolveSettings& settings, std::size_t layer,
+                   SlotRange slots) override;
     void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) override;
     void depths(std::vector<float>& out) override;
     std::optional<Hit> pick(int x, int y, int radius) override;
@@ -45,6 +50,7 @@ private:
 
     KernelChoice m_kernel;
     TargetSize m_size;
+    CpuSums m_sums;  ///< of addColors(); has memory from its first call on
     Buffer m_cells;  ///< one more than cells(): see SplatTarget
     /// What reproject() draws of some rows' visible points, for one layer. Points that were visible and are hidden
     /// by another one after a turn mostly come out again with the next: so they are drawn once more then. Measured

@@ -42,15 +42,21 @@ struct SplatTarget {
     std::int32_t width, height, samples;
     std::int32_t size;                ///< of the square, steps of 1/kSampleSteps px
     const std::uint8_t (*places)[2];  ///< x, y of each sample in its pixel, same steps
+    float sizeOverDepth = 0;          ///< steps: 0, or a point's size is this over its depth, from `size` ...
+    std::int32_t mostSize = 0;        ///< ... to this
+    bool round = false;
 };
 
-/// Draws the first `count` points of a block: a square each, as RasterBackend defines it, by an atomic minimum of
-/// (depth, id) in each sample's cell. Any number of threads may draw into one target.
+/// Draws the first `count` points of a block: a square or circle each, as LayerProjection defines it, by an atomic
+/// minimum of (depth, id) in each sample's cell. Any number of threads may draw into one target.
 ///
 /// `hidden`, when not null and points are single pixels of one sample: gets the ids of those points, drawn now or
 /// before, that are hidden for the sake of another one, at most `count`; returns how many. Otherwise returns 0.
 using SplatKernel = std::size_t (*)(const SplatTarget&, const ProjectedBlock&, std::size_t count,
                                     std::uint32_t* hidden);
+
+/// Depth of a point to the nearest one of its sample, up to which their colors are averaged (CpuSums).
+constexpr float kAverageDepth = 1.01f;
 
 struct KernelChoice {
     ProjectKernel project;

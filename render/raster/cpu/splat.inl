@@ -129,10 +129,71 @@ inline void splatSquares(const SplatTarget& t, const ProjectedBlock& block, std:
     }
 }
 
+/// Size of a point, steps.
+inline std::int32_t sizeAt(const SplatTarget& t, float depth)
+{
+    if (!(t.sizeOverDepth > 0.0f)) return t.size;
+    const float grown = t.sizeOverDepth / depth + 0.5f;
+    return grown < float(t.size) ? t.size : grown > float(t.mostSize) ? t.mostSize : std::int32_t(grown);
+}
+
+/// Whether each point is the square of one pixel at one sample.
+inline bool isSinglePixels(const SplatTarget& t)
+{
+    return t.samples == 1 && t.size == 16 && !(t.sizeOverDepth > 0.0f);
+}
+
+/// Calls use(cell) for each sample that a point at (x, y) px covers.
+template <class Use>
+inline void forEachCovered(const SplatTarget& t, float x, float y, float depth, const Use& use)
+{
+    const std::int32_t size = sizeAt(t, depth);
+    const float half = float(size) / 32.0f;
+    const std::int32_t lowX = floorOf((x - half) * 16.0f), lowY = floorOf((y - half) * 16.0f);
+    const auto clipped = [](std::int32_t v, std::int32_t end) { return v < 0 ? 0 : v < end ? v : end - 1; };
+    const std::int32_t firstX = clipped((lowX + 1) >> 4, t.width), lastX = clipped((lowX + size) >> 4, t.width);
+    const std::int32_t firstY = clipped((lowY + 1) >> 4, t.height), lastY = clipped((lowY + size) >> 4, t.height);
+    const bool round = t.round && size >= 24;  // kLeastRoundSteps
+    for (std::int32_t py = firstY; py <= lastY; ++py)
+        for (std::int32_t px = firstX; px <= lastX; ++px)
+            for (std::int32_t s = 0; s < t.samples; ++s) {
+                const std::int32_t fromX = px * 16 + t.places[s][0] - lowX, fromY = py * 16 + t.places[s][1] - lowY;
+                if ((fromX <= 0) | (fromX > size) | (fromY <= 0) | (fromY > size)) continue;
+                if (round) {
+                    const std::int32_t dx = 2 * fromX - (size + 1), dy = 2 * fromY - (size + 1);
+                    if (dx * dx + dy * dy > size * size) continue;
+                }
+                use((std::size_t(py) * std::size_t(t.width) + std::size_t(px)) * std::size_t(t.samples) +
+                    std::size_t(s));
+            }
+}
+
+inline float depthOf(std::uint32_t bits)
+{
+    float depth;
+    __builtin_memcpy(&depth, &bits, sizeof depth);
+    return depth;
+}
+
+/// Circles, and squares of different sizes.
+inline void splatShapes(const SplatTarget& t, const ProjectedBlock& block, std::size_t count)
+{
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::uint64_t key = std::uint64_t(block.depth[k]) << 32 | block.id[k];
+        forEachCovered(t, block.x[k], block.y[k], depthOf(block.depth[k]), [&](std::size_t cell) {
+            if (block.depth[k] <= highHalf(t.cells + cell)) atomicMin(t.cells + cell, key);
+        });
+    }
+}
+
 inline std::size_t splatBlock(const SplatTarget& target, const ProjectedBlock& block, std::size_t count,
                               std::uint32_t* hidden)
 {
-    if (target.samples == 1 && target.size == 16) return splatPixels(target, block, count, hidden);
+    if (target.sizeOverDepth > 0.0f || (target.round && target.size >= 24)) {
+        splatShapes(target, block, count);
+        return 0;
+    }
+    if (isSinglePixels(target)) return splatPixels(target, block, count, hidden);
     splatSquares(target, block, count);
     return 0;
 }

@@ -48,6 +48,14 @@ void useProjection(const LayerProjection& p)
     glUniform1f(5, p.nearDepth);
 }
 
+void usePointSize(const LayerProjection& p, int least, int most)
+{
+    const int size = std::clamp(p.sizeInSteps(), least, most);
+    glUniform2i(6, size, p.grows() ? std::clamp(int(kMostGrownSize) * kSampleSteps, size, most) : size);
+    glUniform1f(17, p.sizeOverDepth * float(kSampleSteps));
+    glUniform1i(18, p.round);
+}
+
 std::array<std::uint32_t, 8> shownClasses(const FrameScene& scene) noexcept
 {
     std::array<std::uint32_t, 8> shown{};
@@ -288,6 +296,8 @@ void GlBackend::runResolve(const FrameScene& scene, const ResolveSettings& setti
     m_tables.write(0, tables.data(), bytes);
 
     program.use();
+    glUniform1i(8, settings.normals == NormalLook::Lit);
+    glUniform3f(9, settings.light.x, settings.light.y, settings.light.z);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, m_tables.id());
     glBindImageTexture(1, m_picture.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
     if (m_sums) glBindImageTexture(0, m_sums.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);

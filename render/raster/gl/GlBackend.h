@@ -90,6 +90,9 @@ private:
 /// Sets the uniforms of projection.glsl in the program that is in use.
 void useProjection(const LayerProjection& projection);
 
+/// Sets the uniforms of size.glsl; `least` and `most`: steps that the device can draw.
+void usePointSize(const LayerProjection& projection, int least, int most);
+
 /// Bits of the classes that a scene shows, as shaders take them: two uvec4.
 std::array<std::uint32_t, 8> shownClasses(const FrameScene& scene) noexcept;
 

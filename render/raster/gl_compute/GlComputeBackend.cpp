@@ -8,6 +8,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 namespace punctum::render
@@ -54,7 +55,8 @@ GlProgram makeProgram(const Variant& v)
             (s > 0 ? ", " : "") + ("ivec2(" + std::to_string(place[0])) + ", " + std::to_string(place[1]) + ")";
     }
     define("SAMPLE_PLACES", places);
-    for (const char* const part : {"gl/command.glsl", "gl/projection.glsl", "gl_compute/points.comp.glsl"})
+    for (const char* const part :
+         {"gl/command.glsl", "gl/projection.glsl", "gl/size.glsl", "gl_compute/points.comp.glsl"})
         text += resource("shaders/" + std::string(part));
     return GlProgram::compute("points.comp", {text});
 }
@@ -127,15 +129,14 @@ void GlComputeBackend::use(int pass, bool list, const FrameScene& scene, const L
 {
     const LayerProjection& p = layer.projection;
     const TargetSize size = target();
-    const int steps = p.sizeInSteps();
-    const bool pixels = size.samples == 1 && steps == kSampleSteps;
+    const bool pixels = p.singlePixels(size.samples);
     const Variant variant{pass, list, !scene.allClassesVisible, pixels, size.samples};
     GlProgram& program = m_programs[variant];
     if (!program) program = makeProgram(variant);
     program.use();
     useProjection(p);
-    glUniform1i(6, steps);
-    const float margin = pixels ? 0.0f : p.pointSize / 2 + 1;
+    usePointSize(p, 1, std::numeric_limits<int>::max());
+    const float margin = pixels ? 0.0f : p.margin();
     glUniform4f(7, -margin, float(size.width) + margin, -margin, float(size.height) + margin);
     glUniform4i(16, band.firstRow, band.lastRow, size.width, 0);
     if (!scene.allClassesVisible) glUniform4uiv(14, 2, shownClasses(scene).data());

@@ -44,7 +44,8 @@ private:
     float m_minPointSize = 1, m_maxPointSize = 1;
     bool m_otherSamples = false;         ///< the driver's samples are not where samplePlaces() has them
     GlTextureVisibility* m_target;       ///< the visibility buffer, which GlBackend owns
-    std::array<GlProgram, 2> m_points;   ///< without and with the filter of classes
+    std::array<GlProgram, 4> m_points;   ///< 1: with the filter of classes; 2: with circles
+    std::array<GLint, 32> m_places{};    ///< of the driver's samples, steps
     float m_margin = 0, m_perPixel = 0;  ///< of the viewport, see points.vert
 };
 
@@ -61,23 +62,30 @@ GlPointsBackend::GlPointsBackend(const GlLimits& limits) : GlBackend(limits, 1)
 
     const std::string_view depth = info().clipControl ? "" : "#define FRAGMENT_DEPTH\n";
     const std::string head = "#version 430 core\n" + std::string(depth);
-    for (const bool filter : {false, true})
-        m_points[filter] = GlProgram::graphics("points.vert",
-                                               {head, filter ? "#define CLASS_FILTER\n" : "",
-                                                resource("shaders/gl/projection.glsl"), shader("points.vert.glsl")},
-                                               {head, shader("points.frag.glsl")});
+    for (const std::size_t variant : {0, 1, 2, 3}) {
+        const std::string_view filter = (variant & 1) != 0 ? "#define CLASS_FILTER\n" : "";
+        const std::string_view circles = (variant & 2) != 0 ? "#define CIRCLES\n" : "";
+        const std::string_view size = resource("shaders/gl/size.glsl");
+        m_points[variant] = GlProgram::graphics(
+            "points.vert",
+            {head, filter, circles, resource("shaders/gl/projection.glsl"), size, shader("points.vert.glsl")},
+            {head, circles, size, shader("points.frag.glsl")});
+    }
 }
 
 void GlPointsBackend::targetChanged()
 {
     m_target->bindFramebuffer();
     m_otherSamples = false;
+    m_places.fill(kSampleSteps / 2);
     const int samples = target().samples;
     const SamplePlace* const places = samplePlaces(samples);
     for (int s = 0; s < samples && samples > 1; ++s) {
         // The picture's top is row 0 of the buffer, so both count from the same corner.
         GLfloat place[2]{};
         glGetMultisamplefv(GL_SAMPLE_POSITION, GLuint(s), place);
+        m_places[std::size_t(2 * s)] = GLint(place[0] * kSampleSteps);
+        m_places[std::size_t(2 * s) + 1] = GLint(place[1] * kSampleSteps);
         m_otherSamples = m_otherSamples || place[0] * kSampleSteps != float(places[s][0]) ||
                          place[1] * kSampleSteps != float(places[s][1]);
     }
@@ -89,8 +97,8 @@ void GlPointsBackend::beginDrawing(const FrameScene& scene)
     // so the viewport reaches beyond the picture. Its side is a power of two, so that scaling to it is exact.
     const TargetSize size = target();
     float largest = 1;
-    for (const Layer& layer : scene.layers) largest = std::max(largest, layer.projection.pointSize);
-    const int wish = int(std::ceil(std::min(largest, m_maxPointSize) / 2)) + 1;
+    for (const Layer& layer : scene.layers) largest = std::max(largest, layer.projection.margin());
+    const int wish = int(std::ceil(std::min(largest, m_maxPointSize / 2 + 1)));
     const int longest = std::max(size.width, size.height);
     const int side = std::min(info().maxViewport, int(std::bit_ceil(unsigned(longest + 2 * wish))));
     const int margin = std::clamp((side - longest) / 2, 0, wish);
@@ -107,7 +115,13 @@ void GlPointsBackend::beginDrawing(const FrameScene& scene)
     glEnable(GL_PROGRAM_POINT_SIZE);
     glEnable(GL_MULTISAMPLE);
     for (const GLenum cap : {GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST}) glDisable(cap);
-    m_points[!scene.allClassesVisible].use();
+    const bool circles =
+        std::any_of(scene.layers.begin(), scene.layers.end(), [](const Layer& l) { return l.projection.round; });
+    m_points[std::size_t(!scene.allClassesVisible) + (circles ? 2 : 0)].use();
+    if (circles) {
+        glUniform1i(20, size.samples);
+        glUniform2iv(21, kSampleCounts.back(), m_places.data());
+    }
     glUniform2f(8, float(size.width), float(size.height));
     glUniform1f(9, m_margin);
     glUniform1f(10, m_perPixel);
@@ -117,9 +131,8 @@ void GlPointsBackend::beginDrawing(const FrameScene& scene)
 void GlPointsBackend::useLayer(const Layer& layer)
 {
     const LayerProjection& p = layer.projection;
-    const float pointSize = std::clamp(float(p.sizeInSteps()) / kSampleSteps, m_minPointSize, m_maxPointSize);
     useProjection(p);
-    glUniform1f(6, pointSize);
+    usePointSize(p, int(std::ceil(m_minPointSize * kSampleSteps)), int(m_maxPointSize) * kSampleSteps);
 }
 
 void GlPointsBackend::drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots)

@@ -23,6 +23,8 @@ layout(location = 3) uniform vec4 lows;
 layout(location = 4) uniform vec4 highs;
 layout(location = 5) uniform bool first;  // no sums yet
 layout(location = 6) uniform bool last;   // make the picture
+layout(location = 8) uniform bool lit;      // NormalLook
+layout(location = 9) uniform vec3 light;
 layout(location = 7) uniform ivec4 band;  // first row, last row (excluded), width
 
 #if SAMPLES == 1
@@ -68,6 +70,14 @@ uvec4 colorOf(uint word, uint kind, float low, float high)
     }
     if (kind == 1u) return unpack(palette[word & 255u]);
     if (kind == 2u) return categoryColor(word);
+    if (kind == 4u) {
+        if (word == 0u) return unpack(noValue);
+        const vec3 n = (vec3(uvec3(word, word >> 10, word >> 20) & 1023u) - 512.0) / 511.0;
+        if (!lit) return uvec4(uvec3(clamp(n * 127.5 + 127.5, 0.0, 255.0) + 0.5), 255u);
+        const float size = length(n);
+        const float facing = size > 0.0 ? abs(dot(n, light)) / size : 0.0;
+        return uvec4(uvec3(min(38.0 + 217.0 * facing, 255.0) + 0.5), 255u);
+    }
     return unpack(word);
 }
 

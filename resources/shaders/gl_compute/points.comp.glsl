@@ -28,7 +28,6 @@ layout(std430, binding = 5) coherent buffer Ids { uint ids[]; };
 layout(std430, binding = 6) coherent buffer Depths { uint depths[]; };
 #endif
 
-layout(location = 6) uniform int size;        // of the square, steps of 1/16 px
 layout(location = 7) uniform vec4 kept;       // points with lowX <= x < highX and lowY <= y < highY are drawn
 layout(location = 11) uniform uint firstId;   // of the chunk's first slot
 layout(location = 16) uniform ivec4 band;     // first row, last row (excluded), width
@@ -68,6 +67,7 @@ void draw(uint slot)
     const ivec2 pixel = ivec2(px);
     if (pixel.y >= band.x && pixel.y < band.y) cover(uint((pixel.y - band.x) * band.z + pixel.x), id, bits);
 #else
+    const int size = sizeAt(depth);
     precise const vec2 edge = (px - float(size) * 0.03125) * 16.0;
     const ivec2 low = ivec2(floor(edge));
     for (int s = 0; s < SAMPLES; ++s) {
@@ -75,7 +75,8 @@ void draw(uint slot)
         const ivec2 last = min((low + size - kPlaces[s]) >> 4, ivec2(band.z, band.y) - 1);
         for (int y = first.y; y <= last.y; ++y)
             for (int x = first.x; x <= last.x; ++x)
-                cover(uint(((y - band.x) * band.z + x) * SAMPLES + s), id, bits);
+                if (inCircle(16 * ivec2(x, y) + kPlaces[s] - low, size))
+                    cover(uint(((y - band.x) * band.z + x) * SAMPLES + s), id, bits);
     }
 #endif
 }

@@ -7,13 +7,15 @@ layout(location = 1) in uint pointClass;
 layout(location = 14) uniform uvec4 shownClasses[2];  // a bit a class
 #endif
 
-layout(location = 6) uniform float pointSize;  // px, a multiple of 1/16
 layout(location = 8) uniform vec2 pictureSize; // px
 layout(location = 9) uniform float margin;     // px between viewport and picture, at the left and at the top
 layout(location = 10) uniform float perPixel;  // clip units
 layout(location = 11) uniform uint firstId;    // of vertex 0
 
 flat out uint id;
+#ifdef CIRCLES
+flat out ivec3 square;  // left and top edge, and size, in steps of 1/16 px
+#endif
 #ifdef FRAGMENT_DEPTH
 flat out float depthValue;
 #endif
@@ -24,7 +26,8 @@ void main()
     const float depth = along(rowD, q);
     const float inverse = perspective ? 1.0 / depth : 1.0;
     vec2 px = vec2(along(rowX, q), along(rowY, q)) * inverse;
-    const float halfSize = 0.5 * pointSize;
+    const int size = sizeAt(depth);
+    const float pointSize = float(size) * 0.0625, halfSize = 0.5 * pointSize;
 
     bool keep = position.x != 0 && depth >= nearDepth && all(greaterThanEqual(px, vec2(-halfSize))) &&
                 all(lessThan(px, pictureSize + halfSize));
@@ -34,7 +37,11 @@ void main()
 
     // Samples lie at multiples of 1/16 px. Moving the square so that its edges lie in the middle between two of
     // these keeps what it covers, and survives the rasterizer's rounding to (usually) 1/256 px.
-    px = (floor(16.0 * (px - halfSize)) + 0.5) * 0.0625 + halfSize;
+    const vec2 low = floor(16.0 * (px - halfSize));
+    px = (low + 0.5) * 0.0625 + halfSize;
+#ifdef CIRCLES
+    square = ivec3(ivec2(clamp(low, vec2(-1e6), vec2(1e6))), size);
+#endif
 
     // Reversed depth without loss: the bits of positive floats order like the floats themselves, so taking them
     // from a constant turns [2^-40, 2^86] round into (0, 1], one to one, for perspective and orthographic views.

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "render/color/ColorMap.h"
+#include "render/resolve/Image.h"
+#include "render/resolve/ResolveSettings.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace punctum::render
+{
+
+/// What the width of a point on the screen goes by.
+enum class PointSizing {
+    Pixels,   ///< the same everywhere
+    World,    ///< a length in the world: near points are larger
+    Density,  ///< a length in the world, too: the spacing of the cloud's points, so that surfaces close
+};
+
+/// What the user chose to see; belongs to the view, not to a cloud.
+struct DisplaySettings {
+    std::string attribute;  ///< name; a cloud without it keeps what it shows (first: see firstAttribute)
+    std::string colorMap;   ///< Scalar attributes; empty: suitableColorMap()
+    std::optional<std::pair<double, double>> range;  ///< Scalar; none: 2nd to 98th percentile over all clouds
+    std::array<Rgba8, 256> palette{};                ///< Class; defaults to asprsClasses()
+    std::array<bool, 256> classVisible{};            ///< defaults to all
+    PointSizing sizing = PointSizing::Pixels;
+    double pointSize = 1.0;  ///< Pixels: px. Density: times the spacing; 1: the squares of neighbors touch
+    double worldSize = 0.1;  ///< World: view units (Camera)
+    bool round = false;      ///< points are circles (where they are 1.5 px wide or more)
+    bool averaged = false;   ///< a sample shows the mean color of all points within 1 % of its nearest one's depth
+    NormalLook normals = NormalLook::Lit;  ///< Vector
+    int bands = 0;                         ///< Scalar: steps of the color map; 0: smooth
+    double eyeDome = 0.0;                  ///< strength of eye-dome lighting, 1 as usual; 0: none
+    int samples = 1;                       ///< a pixel; the next lower of kSampleCounts
+    Rgba8 backgroundTop{38, 44, 52, 255};
+    Rgba8 backgroundBottom{16, 18, 22, 255};
+
+    DisplaySettings();
+    /// Width of the smallest points, px.
+    double leastPixels() const noexcept { return sizing == PointSizing::Pixels ? pointSize : 1.0; }
+};
+
+}  // namespace punctum::render
