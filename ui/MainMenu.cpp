@@ -17,6 +17,7 @@
 #include "ui/style/Icons.h"
 
 #include <QActionGroup>
+#include <QColorDialog>
 #include <QFileInfo>
 #include <QMenu>
 #include <QMenuBar>
@@ -141,18 +142,36 @@ void MainMenu::makeView()
     m_needDocument.insert(m_needDocument.end(), {next, previous});
     menu->addSeparator();
 
-    add(menu, tr("&Larger Points"), {}, {QKeySequence(Qt::Key_Plus), QKeySequence(Qt::Key_Equal)}, {}, [&settings] {
-        settings.setPointSize(settings.display().pointSize + (settings.display().pointSize < 4.0 ? 0.5 : 1.0));
-    });
-    add(menu, tr("S&maller Points"), {}, {QKeySequence(Qt::Key_Minus)}, {}, [&settings] {
-        settings.setPointSize(settings.display().pointSize - (settings.display().pointSize <= 4.0 ? 0.5 : 1.0));
-    });
+    add(menu, tr("&Larger Points"), {}, {QKeySequence(Qt::Key_Plus), QKeySequence(Qt::Key_Equal)}, {},
+        [&settings] { settings.enlargePoints(true); });
+    add(menu, tr("S&maller Points"), {}, {QKeySequence(Qt::Key_Minus)}, {},
+        [&settings] { settings.enlargePoints(false); });
     const auto choice = [this](QMenu* into, QActionGroup* group, const QString& text, const QVariant& value) {
         QAction* action = into->addAction(text);
         action->setCheckable(true);
         action->setData(value);
         group->addAction(action);
     };
+    QMenu* sizing = menu->addMenu(tr("Point Si&ze by"));
+    m_sizings = new QActionGroup(this);
+    choice(sizing, m_sizings, tr("&Pixels"), int(render::PointSizing::Pixels));
+    choice(sizing, m_sizings, tr("&Length in the World"), int(render::PointSizing::World));
+    choice(sizing, m_sizings, tr("&Spacing of the Points"), int(render::PointSizing::Density));
+    connect(m_sizings, &QActionGroup::triggered, &settings,
+            [&settings](const QAction* a) { settings.setSizing(render::PointSizing(a->data().toInt())); });
+    const auto flag = [this, menu](const QString& text, const QList<QKeySequence>& keys, const QString& tip,
+                                   std::function<void(bool)> act) {
+        QAction* action = add(menu, text, {}, keys, tip, [] {});
+        action->setCheckable(true);
+        connect(action, &QAction::triggered, this, std::move(act));
+        return action;
+    };
+    m_round = flag(tr("&Round Points"), {}, tr("Points are circles instead of squares"),
+                   [&settings](bool on) { settings.setRound(on); });
+    m_averaged =
+        flag(tr("A&verage Near Points"), {},
+             tr("Each pixel shows the mean color of all points near its front: less noise; drawn by the CPU"),
+             [&settings](bool on) { settings.setAveraged(on); });
     QMenu* samples = menu->addMenu(tr("S&amples a Pixel"));
     m_samples = new QActionGroup(this);
     choice(samples, m_samples, tr("&1, fast"), 1);
@@ -161,17 +180,24 @@ void MainMenu::makeView()
     choice(samples, m_samples, tr("1&6, smoothest, slow"), 16);
     connect(m_samples, &QActionGroup::triggered, &settings,
             [&settings](const QAction* a) { settings.setSamples(a->data().toInt()); });
-    m_eyeDome = add(menu, tr("Eye-Dome &Lighting"), {}, {QKeySequence(Qt::Key_L)},
-                    tr("Shades each point by how far it lies behind its neighbors, so that shapes stand out"),
-                    [this, &settings] { settings.setEyeDome(m_eyeDome->isChecked() ? 1.0 : 0.0); });
-    m_eyeDome->setCheckable(true);
+    m_eyeDome = flag(tr("Eye-Dome &Lighting"), {QKeySequence(Qt::Key_L)},
+                     tr("Shades each point by how far it lies behind its neighbors, so that shapes stand out"),
+                     [&settings](bool on) { settings.setEyeDome(on ? 1.0 : 0.0); });
+    m_litNormals = flag(tr("L&it Normals"), {}, tr("Shows directions as lit surfaces instead of colors"),
+                        [&settings](bool on) {
+                            settings.setNormals(on ? render::NormalLook::Lit : render::NormalLook::Direction);
+                        });
     QMenu* background = menu->addMenu(tr("&Background"));
     m_backgrounds = new QActionGroup(this);
     choice(background, m_backgrounds, tr("&Dark"), int(ViewSettings::Background::Dark));
     choice(background, m_backgrounds, tr("&Gray"), int(ViewSettings::Background::Grey));
     choice(background, m_backgrounds, tr("&White"), int(ViewSettings::Background::White));
-    connect(m_backgrounds, &QActionGroup::triggered, &settings,
-            [&settings](const QAction* a) { settings.setBackground(ViewSettings::Background(a->data().toInt())); });
+    choice(background, m_backgrounds, tr("&Other Color..."), int(ViewSettings::Background::Own));
+    connect(m_backgrounds, &QActionGroup::triggered, this, [this, &settings](const QAction* a) {
+        const auto chosen = ViewSettings::Background(a->data().toInt());
+        settings.setBackground(chosen);
+        if (chosen == ViewSettings::Background::Own) chooseBackground(settings);
+    });
     QMenu* drawing = menu->addMenu(tr("&Draw with"));
     m_backends = new QActionGroup(this);
     choice(drawing, m_backends, tr("What Is &Fastest Here"), kFastestBackend);
@@ -203,6 +229,22 @@ void MainMenu::makeView()
     fullScreen->setCheckable(true);
     takeViewSettings(settings);
     connect(&settings, &ViewSettings::changed, this, [this, &settings] { takeViewSettings(settings); });
+}
+
+void MainMenu::chooseBackground(ViewSettings& settings)
+{
+    const render::Rgba8 now = settings.ownBackground();
+    auto* dialog = new QColorDialog(QColor(now.r, now.g, now.b), &m_window);
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    dialog->setWindowTitle(tr("Background"));
+    const auto take = [&settings](const QColor& c) {
+        if (c.isValid())
+            settings.setOwnBackground(
+                {std::uint8_t(c.red()), std::uint8_t(c.green()), std::uint8_t(c.blue()), 255});
+    };
+    connect(dialog, &QColorDialog::currentColorChanged, this, take);
+    connect(dialog, &QColorDialog::rejected, this, [&settings, now] { settings.setOwnBackground(now); });
+    dialog->open();
 }
 
 void MainMenu::makeProcess()
@@ -330,6 +372,10 @@ void MainMenu::takeViewSettings(const ViewSettings& settings)
 {
     checkBy(*m_samples, settings.display().samples);
     m_eyeDome->setChecked(settings.display().eyeDome > 0);
+    checkBy(*m_sizings, int(settings.display().sizing));
+    m_round->setChecked(settings.display().round);
+    m_averaged->setChecked(settings.display().averaged);
+    m_litNormals->setChecked(settings.display().normals == render::NormalLook::Lit);
     checkBy(*m_backgrounds, int(settings.background()));
 }
 

@@ -68,6 +68,7 @@ private:
     void makeFile();
     void makeEdit();
     void makeView();
+    void chooseBackground(ViewSettings& settings);
     void makeProcess();
     void makeHelp();
     void makeToolBar();
@@ -81,6 +82,10 @@ private:
     QActionGroup* m_backgrounds = nullptr;
     QActionGroup* m_samples = nullptr;
     QAction* m_eyeDome = nullptr;
+    QAction* m_round = nullptr;
+    QAction* m_averaged = nullptr;
+    QAction* m_litNormals = nullptr;
+    QActionGroup* m_sizings = nullptr;
     QActionGroup* m_appearances = nullptr;
     std::vector<QAction*> m_needDocument;
     std::vector<QAction*> m_all;

@@ -75,9 +75,10 @@ struct ViewRenderer::Thread {
     std::unique_ptr<render::ProgressiveRenderer> renderer;
     render::BackendKind kind = render::BackendKind::Cpu;
     FastestBackend fastest;
-    bool automatic = false;     ///< the fastest backend is to draw
-    bool measured = false;      ///< `fastest` is known to be of this machine
-    std::vector<Cloud> clouds;  ///< in the renderer's order
+    std::optional<render::BackendKind> chosen;              ///< by the user; none: the fastest
+    render::BackendKind wanted = render::BackendKind::Cpu;  ///< what applyChoice() asked for; `kind` draws
+    bool measured = false;                                  ///< `fastest` is known to be of this machine
+    std::vector<Cloud> clouds;                              ///< in the renderer's order
     std::vector<Capture> captures;
     bool dirty = false;   ///< a command changed what is to be seen
     bool broken = false;  ///< the backend failed; wait for a command
@@ -151,11 +152,8 @@ void ViewRenderer::setDisplay(const render::DisplaySettings& display)
 void ViewRenderer::setBackend(std::optional<render::BackendKind> kind)
 {
     post([this, kind](Thread& thread) {
-        thread.automatic = !kind;
-        if (!kind)
-            useFastest(thread);
-        else if (*kind != thread.kind)
-            useBackend(thread, *kind);
+        thread.chosen = kind;
+        applyChoice(thread);
         thread.dirty = true;
     });
 }
@@ -279,9 +277,13 @@ void ViewRenderer::useBackend(Thread& thread, render::BackendKind kind)
         Qt::QueuedConnection);
 }
 
-void ViewRenderer::useFastest(Thread& thread)
+void ViewRenderer::applyChoice(Thread& thread)
 {
-    const render::BackendKind kind = thread.fastest.device ? thread.fastest.kind : render::BackendKind::Cpu;
+    using render::BackendKind;
+    BackendKind kind = thread.chosen.value_or(thread.fastest.device ? thread.fastest.kind : BackendKind::Cpu);
+    if (thread.renderer && thread.renderer->display().averaged) kind = BackendKind::Cpu;  // it alone averages
+    if (thread.renderer && thread.wanted == kind) return;
+    thread.wanted = kind;
     if (!thread.renderer || thread.kind != kind) useBackend(thread, kind);
 }
 
@@ -294,20 +296,17 @@ void ViewRenderer::measureBackends(Thread& thread)
     thread.fastest = {measurement.fastest, measurement.device};
     QMetaObject::invokeMethod(
         this, [this, fastest = thread.fastest] { emit backendsMeasured(fastest); }, Qt::QueuedConnection);
-    if (!thread.automatic || thread.kind == thread.fastest.kind) return;
-    useBackend(thread, thread.fastest.kind);
-    thread.dirty = true;
+    const render::BackendKind before = thread.kind;
+    applyChoice(thread);
+    thread.dirty = thread.dirty || thread.kind != before;
 }
 
 void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBackend fastest)
 {
     Thread thread;
     thread.fastest = std::move(fastest);
-    thread.automatic = !backend;
-    if (backend)
-        useBackend(thread, *backend);
-    else
-        useFastest(thread);
+    thread.chosen = backend;
+    applyChoice(thread);
     bool idle = true;
     bool calm = false;
     for (;;) {
@@ -315,7 +314,7 @@ void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBacken
         {
             std::unique_lock lock(m_mutex);
             const auto wanted = [this] { return m_pending.any(); };
-            if (idle && thread.automatic && !thread.measured) {
+            if (idle && !thread.chosen && !thread.measured) {
                 if (!m_wake.wait_for(lock, kQuiet, wanted)) {
                     lock.unlock();
                     measureBackends(thread);
@@ -333,7 +332,10 @@ void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBacken
             for (Command& command : pending.commands) command(thread);
             if (pending.size) thread.renderer->setSize(pending.size->first, pending.size->second);
             if (pending.camera) thread.renderer->setCamera(*pending.camera);
-            if (pending.display) thread.renderer->setDisplay(*pending.display);
+            if (pending.display) {
+                thread.renderer->setDisplay(*pending.display);
+                applyChoice(thread);
+            }
             thread.dirty = thread.dirty || pending.size || pending.camera || pending.display;
             if (thread.dirty) thread.broken = false;
             if (!thread.broken) renderNext(thread);

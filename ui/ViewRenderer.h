@@ -107,7 +107,7 @@ private:
     void post(Command command);
     void run(std::optional<render::BackendKind> backend, FastestBackend fastest);
     void useBackend(Thread& thread, render::BackendKind kind);
-    void useFastest(Thread& thread);
+    void applyChoice(Thread& thread);
     void measureBackends(Thread& thread);
     void renderNext(Thread& thread);
     void serveCaptures(Thread& thread);

@@ -50,6 +50,89 @@ void ViewSettings::setPointSize(double px)
     notify();
 }
 
+void ViewSettings::setSizing(render::PointSizing sizing)
+{
+    if (sizing == m_display.sizing) return;
+    m_display.sizing = sizing;
+    notify();
+}
+
+void ViewSettings::setWorldSize(double size)
+{
+    size = std::isfinite(size) ? std::clamp(size, 1e-6, 1e6) : m_display.worldSize;
+    if (size == m_display.worldSize) return;
+    m_display.worldSize = size;
+    notify();
+}
+
+void ViewSettings::setSpacings(double spacings)
+{
+    spacings = std::clamp(spacings, 0.1, 20.0);
+    if (spacings == m_display.spacings) return;
+    m_display.spacings = spacings;
+    notify();
+}
+
+double ViewSettings::size() const noexcept
+{
+    switch (m_display.sizing) {
+        case render::PointSizing::World:
+            return m_display.worldSize;
+        case render::PointSizing::Density:
+            return m_display.spacings;
+        case render::PointSizing::Pixels:
+            break;
+    }
+    return m_display.pointSize;
+}
+
+void ViewSettings::setSize(double size)
+{
+    switch (m_display.sizing) {
+        case render::PointSizing::World:
+            return setWorldSize(size);
+        case render::PointSizing::Density:
+            return setSpacings(size);
+        case render::PointSizing::Pixels:
+            return setPointSize(size);
+    }
+}
+
+void ViewSettings::enlargePoints(bool larger)
+{
+    constexpr double kStep = 1.25;
+    if (m_display.sizing != render::PointSizing::Pixels) return setSize(larger ? size() * kStep : size() / kStep);
+    const double px = m_display.pointSize;
+    setPointSize(larger ? px + (px < 4.0 ? 0.5 : 1.0) : px - (px <= 4.0 ? 0.5 : 1.0));
+}
+
+void ViewSettings::setRound(bool round)
+{
+    if (round == m_display.round) return;
+    m_display.round = round;
+    notify();
+}
+
+void ViewSettings::setAveraged(bool averaged)
+{
+    if (averaged == m_display.averaged) return;
+    m_display.averaged = averaged;
+    notify();
+}
+
+void ViewSettings::setNormals(render::NormalLook look)
+{
+    if (look == m_display.normals) return;
+    m_display.normals = look;
+    notify();
+}
+
+void ViewSettings::setOwnBackground(render::Rgba8 color)
+{
+    m_ownBackground = {color.r, color.g, color.b, 255};
+    setBackground(Background::Own);
+}
+
 void ViewSettings::setSamples(int samples)
 {
     samples = render::kSampleCounts[render::sampleCountIndex(samples)];
@@ -88,6 +171,9 @@ void ViewSettings::setBackground(Background background)
             break;
         case Background::White:
             m_display.backgroundTop = m_display.backgroundBottom = Rgba8{255, 255, 255, 255};
+            break;
+        case Background::Own:
+            m_display.backgroundTop = m_display.backgroundBottom = m_ownBackground;
             break;
     }
     notify();

@@ -15,7 +15,7 @@ class ViewSettings final : public QObject
 {
     Q_OBJECT
 public:
-    enum class Background { Dark, Grey, White };
+    enum class Background { Dark, Grey, White, Own };
 
     explicit ViewSettings(QObject* parent = nullptr);
 
@@ -30,12 +30,28 @@ public:
     void setRange(std::optional<std::pair<double, double>> range);
     /// 1 to 20, in logical px.
     void setPointSize(double px);
+    void setSizing(render::PointSizing sizing);
+    /// In units of the view, 1e-6 to 1e6.
+    void setWorldSize(double size);
+    /// 0.1 to 20.
+    void setSpacings(double spacings);
+    /// The width of points by the sizing that is on.
+    double size() const noexcept;
+    void setSize(double size);
+    /// By a step that suits the sizing.
+    void enlargePoints(bool larger);
+    void setRound(bool round);
+    void setAveraged(bool averaged);
+    void setNormals(render::NormalLook look);
     void setSamples(int samples);
     /// Strength, 0 to 4; 0: none.
     void setEyeDome(double strength);
     /// Steps of the color map, up to 64; less than 2: smooth.
     void setBands(int bands);
+    /// Own: the color of setOwnBackground().
     void setBackground(Background background);
+    void setOwnBackground(render::Rgba8 color);
+    render::Rgba8 ownBackground() const noexcept { return m_ownBackground; }
     Background background() const noexcept { return m_background; }
     void setClassColor(unsigned code, render::Rgba8 color);
     void setClassVisible(unsigned code, bool visible);
@@ -51,6 +67,7 @@ private:
     void notify();
     render::DisplaySettings m_display;
     Background m_background = Background::Dark;
+    render::Rgba8 m_ownBackground{46, 60, 84, 255};
 };
 
 }  // namespace punctum::ui

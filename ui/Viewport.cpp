@@ -394,7 +394,8 @@ void Viewport::updateLegend()
                 content.remark = tr("one color for each value");
                 break;
             case AttributeKind::Vector:
-                content.remark = tr("direction as color");
+                content.remark = m_settings.display().normals == render::NormalLook::Lit ? tr("lit from the eye")
+                                                                                         : tr("direction as color");
                 break;
             case AttributeKind::Color:
                 content.remark = tr("colors of the file");

@@ -4,6 +4,7 @@
 #include "ui/Text.h"
 #include "ui/ViewSettings.h"
 
+#include <QColor>
 #include <QFileInfo>
 #include <QMainWindow>
 #include <QScreen>
@@ -30,6 +31,13 @@ const QString kFastest = QStringLiteral("view/fastest");
 const QString kFastestDevice = QStringLiteral("view/fastestOn");
 const QString kAutomatic = QStringLiteral("auto");
 const QString kPointSize = QStringLiteral("view/pointSize");
+const QString kSizing = QStringLiteral("view/sizing");
+const QString kWorldSize = QStringLiteral("view/worldSize");
+const QString kSpacings = QStringLiteral("view/spacings");
+const QString kRound = QStringLiteral("view/round");
+const QString kAveraged = QStringLiteral("view/averaged");
+const QString kNormals = QStringLiteral("view/normals");
+const QString kOwnBackground = QStringLiteral("view/ownBackground");
 const QString kSamples = QStringLiteral("view/samples");
 const QString kEyeDome = QStringLiteral("view/eyeDome");
 const QString kBands = QStringLiteral("view/bands");
@@ -71,11 +79,19 @@ void WindowSettings::restore(QMainWindow& window, ViewSettings& view) const
     window.restoreGeometry(m_values.value(kGeometry).toByteArray());
     window.restoreState(m_values.value(kLayout).toByteArray(), kLayoutVersion);
     view.setPointSize(m_values.value(kPointSize, 1.0).toDouble());
+    view.setSizing(render::PointSizing(std::clamp(m_values.value(kSizing, 0).toInt(), 0, 2)));
+    view.setWorldSize(m_values.value(kWorldSize, view.display().worldSize).toDouble());
+    view.setSpacings(m_values.value(kSpacings, view.display().spacings).toDouble());
+    view.setRound(m_values.value(kRound, false).toBool());
+    view.setAveraged(m_values.value(kAveraged, false).toBool());
+    view.setNormals(render::NormalLook(std::clamp(m_values.value(kNormals, 0).toInt(), 0, 1)));
+    if (const QColor own(m_values.value(kOwnBackground).toString()); own.isValid())
+        view.setOwnBackground({std::uint8_t(own.red()), std::uint8_t(own.green()), std::uint8_t(own.blue()), 255});
     view.setSamples(m_values.value(kSamples, 1).toInt());
     view.setEyeDome(m_values.value(kEyeDome, 0.0).toDouble());
     view.setBands(m_values.value(kBands, 0).toInt());
     view.setColorMap(m_values.value(kColorMap, view.colorMap()).toString());
-    view.setBackground(ViewSettings::Background(std::clamp(m_values.value(kBackground, 0).toInt(), 0, 2)));
+    view.setBackground(ViewSettings::Background(std::clamp(m_values.value(kBackground, 0).toInt(), 0, 3)));
 }
 
 void WindowSettings::store(const QMainWindow& window, const ViewSettings& view)
@@ -84,6 +100,14 @@ void WindowSettings::store(const QMainWindow& window, const ViewSettings& view)
     settings->setValue(kGeometry, window.saveGeometry());
     settings->setValue(kLayout, window.saveState(kLayoutVersion));
     settings->setValue(kPointSize, view.display().pointSize);
+    settings->setValue(kSizing, int(view.display().sizing));
+    settings->setValue(kWorldSize, view.display().worldSize);
+    settings->setValue(kSpacings, view.display().spacings);
+    settings->setValue(kRound, view.display().round);
+    settings->setValue(kAveraged, view.display().averaged);
+    settings->setValue(kNormals, int(view.display().normals));
+    const render::Rgba8 own = view.ownBackground();
+    settings->setValue(kOwnBackground, QColor(own.r, own.g, own.b).name());
     settings->setValue(kSamples, view.display().samples);
     settings->setValue(kEyeDome, view.display().eyeDome);
     settings->setValue(kBands, view.display().bands);

@@ -33,6 +33,11 @@ struct RenderOptions {
     std::string camera;
     int samples = 4;
     double pointSize = 1.0;
+    double worldSize = 0;  ///< 0: none given
+    double spacings = 0;   ///< 0: none given
+    bool round = false;
+    bool average = false;
+    std::string normals = "lit";
     bool eyeDome = false;
     int bands = 0;
     std::string backend = "auto";
@@ -107,11 +112,23 @@ void runRender(const RenderRequest& request, Progress& progress)
     if (points == 0) throw Error(options.files.front(), "There is no point to draw.");
 
     render::ProgressiveRenderer& renderer = headless.renderer();
+    if (options.average && !renderer.backend().averages())
+        throw Error("Only the backend cpu averages colors. Leave out --average or choose --backend cpu.");
     render::DisplaySettings display;
     if (!options.attribute.empty()) display.attribute = findAttribute(clouds, options.attribute);
     display.colorMap = options.colorMap;
     display.range = request.range;
     display.pointSize = options.pointSize;
+    if (options.worldSize > 0) {
+        display.sizing = render::PointSizing::World;
+        display.worldSize = options.worldSize;
+    } else if (options.spacings > 0) {
+        display.sizing = render::PointSizing::Density;
+        display.spacings = options.spacings;
+    }
+    display.round = options.round;
+    display.averaged = options.average;
+    display.normals = options.normals == "lit" ? render::NormalLook::Lit : render::NormalLook::Direction;
     display.samples = options.samples;
     display.eyeDome = options.eyeDome ? 1.0 : 0.0;
     display.bands = options.bands;
@@ -201,9 +218,30 @@ void addRender(CLI::App& root, Action& action)
                 if (n == std::to_string(count)) return std::string();
             return std::string("A pixel has 1, 4, 8 or 16 samples.");
         });
-    command.add_option("--point-size", options->pointSize, "Edge of a point in px, 0.1 to 64; default 1")
-        ->type_name("PX")
-        ->check(CLI::Range(0.1, 64.0));
+    CLI::Option* pointSize =
+        command.add_option("--point-size", options->pointSize, "Width of a point in px, 0.1 to 64; default 1")
+            ->type_name("PX")
+            ->check(CLI::Range(0.1, 64.0));
+    CLI::Option* worldSize =
+        command
+            .add_option("--world-size", options->worldSize,
+                        "Width of a point in units of the coordinates (meters for degrees): near points are larger")
+            ->type_name("LENGTH")
+            ->check(CLI::Range(1e-6, 1e6))
+            ->excludes(pointSize);
+    command
+        .add_option("--adaptive-size", options->spacings,
+                    "Width of a point in spacings of the cloud's points, which is found out: 1 closes surfaces")
+        ->type_name("N")
+        ->check(CLI::Range(0.1, 20.0))
+        ->excludes(pointSize)
+        ->excludes(worldSize);
+    command.add_flag("--round", options->round, "Points are circles instead of squares, where wider than 1.5 px");
+    command.add_flag("--average", options->average,
+                     "Show the mean color of the points within 1 % of the nearest one's depth: less noise (cpu)");
+    command.add_option("--normals", options->normals, "Directions as lit surfaces or as colors: lit, colors")
+        ->type_name("LOOK")
+        ->check(CLI::IsMember({"lit", "colors"}));
     command.add_flag("--edl", options->eyeDome, "Eye-dome lighting: shapes and edges stand out by shading alone");
     command.add_option("--bands", options->bands, "Show a quantity in so many steps of color, 2 to 64")
         ->type_name("N")

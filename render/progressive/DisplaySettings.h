@@ -28,8 +28,9 @@ struct DisplaySettings {
     std::array<Rgba8, 256> palette{};                ///< Class; defaults to asprsClasses()
     std::array<bool, 256> classVisible{};            ///< defaults to all
     PointSizing sizing = PointSizing::Pixels;
-    double pointSize = 1.0;  ///< Pixels: px. Density: times the spacing; 1: the squares of neighbors touch
+    double pointSize = 1.0;  ///< Pixels: px
     double worldSize = 0.1;  ///< World: view units (Camera)
+    double spacings = 1.0;   ///< Density: width in spacings; 1: the squares of neighbors touch
     bool round = false;      ///< points are circles (where they are 1.5 px wide or more)
     bool averaged = false;   ///< a sample shows the mean color of all points within 1 % of its nearest one's depth
     NormalLook normals = NormalLook::Lit;  ///< Vector

@@ -172,8 +172,8 @@ void ProgressiveRenderer::setDisplay(const DisplaySettings& display)
     const DisplaySettings before = std::exchange(m_display, display);
     if (before.samples != m_display.samples) m_targetChanged = true;
     if (before.sizing != m_display.sizing || before.pointSize != m_display.pointSize ||
-        before.worldSize != m_display.worldSize || before.round != m_display.round ||
-        before.classVisible != m_display.classVisible)
+        before.worldSize != m_display.worldSize || before.spacings != m_display.spacings ||
+        before.round != m_display.round || before.classVisible != m_display.classVisible)
         m_viewChanged = true;
     if (before.range != m_display.range || before.attribute != m_display.attribute) m_rangeNeeded = true;
     if (before.attribute != m_display.attribute)
@@ -231,7 +231,7 @@ PointStyle ProgressiveRenderer::styleOf(Entry& entry) const
         entry.filledAtSpacing = filled;
         entry.spacingStretch = m_camera.stretch;
     }
-    style.size = entry.spacing * m_display.pointSize;
+    style.size = entry.spacing * m_display.spacings;
     return style;
 }
 

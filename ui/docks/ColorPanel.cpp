@@ -75,6 +75,9 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
       m_bands(new QSpinBox),
       m_eyeDome(new QCheckBox(tr("Eye-dome lighting"))),
       m_size(new QDoubleSpinBox),
+      m_sizing(new QComboBox),
+      m_round(new QCheckBox(tr("Round"))),
+      m_averaged(new QCheckBox(tr("Averaged"))),
       m_samples(new QComboBox)
 {
     const QSize icon(72, 12);
@@ -112,13 +115,24 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
         tr("Shades each point by how far it lies behind its neighbors, so that shapes stand out (L)"));
     connect(m_eyeDome, &QCheckBox::toggled, this, [this](bool on) { m_settings.setEyeDome(on ? 1.0 : 0.0); });
 
-    m_size->setRange(1.0, 20.0);
-    m_size->setSingleStep(0.5);
-    m_size->setDecimals(1);
-    m_size->setSuffix(tr(" px"));
-    m_size->setToolTip(tr("Width of a point on the screen (+ and -)"));
+    m_size->setToolTip(tr("Width of a point (+ and -)"));
     m_size->setAccessibleName(tr("Point size"));
-    connect(m_size, &QDoubleSpinBox::valueChanged, this, [this](double px) { m_settings.setPointSize(px); });
+    m_size->setKeyboardTracking(false);
+    connect(m_size, &QDoubleSpinBox::valueChanged, this, [this](double size) { m_settings.setSize(size); });
+    m_sizing->addItem(tr("pixels"), int(render::PointSizing::Pixels));
+    m_sizing->addItem(tr("in the world"), int(render::PointSizing::World));
+    m_sizing->addItem(tr("spacings"), int(render::PointSizing::Density));
+    m_sizing->setToolTip(
+        tr("What the width is measured in: pixels, units of the coordinates (meters for degrees), or "
+           "spacings between the points of the cloud"));
+    m_sizing->setAccessibleName(tr("Point size by"));
+    connect(m_sizing, &QComboBox::activated, this,
+            [this] { m_settings.setSizing(render::PointSizing(m_sizing->currentData().toInt())); });
+    m_round->setToolTip(tr("Points are circles instead of squares, where they are wider than 1.5 px"));
+    connect(m_round, &QCheckBox::toggled, this, [this](bool on) { m_settings.setRound(on); });
+    m_averaged->setToolTip(
+        tr("Each pixel shows the mean color of all points near its front: less noise; drawn by the CPU"));
+    connect(m_averaged, &QCheckBox::toggled, this, [this](bool on) { m_settings.setAveraged(on); });
     m_samples->addItem(tr("1, fast"), 1);
     m_samples->addItem(tr("4, smooth"), 4);
     m_samples->addItem(tr("8, smoother"), 8);
@@ -137,13 +151,17 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     range->addWidget(m_high, 1);
     range->addWidget(m_auto);
 
-    for (QWidget* field : std::initializer_list<QWidget*>{m_bands, m_size, m_eyeDome})
+    for (QWidget* field : std::initializer_list<QWidget*>{m_bands, m_size, m_round, m_averaged, m_eyeDome})
         field->setMinimumHeight(kFieldHeight);  // as the boxes and fields beside them
 
     auto* points = new QHBoxLayout;
     points->setSpacing(8);
     points->addWidget(m_size, 1);
-    points->addWidget(m_samples, 1);
+    points->addWidget(m_sizing, 1);
+    auto* shape = new QHBoxLayout;
+    shape->setSpacing(8);
+    shape->addWidget(m_round, 1);
+    shape->addWidget(m_averaged, 1);
 
     auto* form = new QFormLayout(this);
     form->setContentsMargins(0, 4, 0, 0);
@@ -160,6 +178,8 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     addRow(tr("Range"), range);
     addRow(tr("Steps"), m_bands);
     addRow(tr("Points"), points);
+    addRow(tr("Look"), shape);
+    addRow(tr("Samples"), m_samples);
     addRow(tr("Light"), m_eyeDome);
 
     connect(&m_settings, &ViewSettings::changed, this, &ColorPanel::takeSettings);
@@ -169,13 +189,41 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
 
 void ColorPanel::takeSettings()
 {
-    const QSignalBlocker noMap(m_map), noSize(m_size), noSamples(m_samples), noBands(m_bands), noDome(m_eyeDome);
+    const QSignalBlocker noMap(m_map), noSize(m_size), noSamples(m_samples), noBands(m_bands), noDome(m_eyeDome),
+        noSizing(m_sizing), noRound(m_round), noAveraged(m_averaged);
     m_bands->setValue(std::max(1, m_settings.display().bands));
     m_eyeDome->setChecked(m_settings.display().eyeDome > 0);
     m_map->setCurrentIndex(std::max(0, m_map->findData(m_settings.colorMap())));
-    m_size->setValue(m_settings.display().pointSize);
+    takeSize();
+    m_round->setChecked(m_settings.display().round);
+    m_averaged->setChecked(m_settings.display().averaged);
     m_samples->setCurrentIndex(std::max(0, m_samples->findData(m_settings.display().samples)));
     m_auto->setChecked(!m_settings.display().range);
+}
+
+void ColorPanel::takeSize()
+{
+    const render::PointSizing sizing = m_settings.display().sizing;
+    m_sizing->setCurrentIndex(std::max(0, m_sizing->findData(int(sizing))));
+    switch (sizing) {
+        case render::PointSizing::Pixels:
+            m_size->setDecimals(1);
+            m_size->setRange(1.0, 20.0);
+            m_size->setSingleStep(0.5);
+            break;
+        case render::PointSizing::World:
+            m_size->setDecimals(4);
+            m_size->setRange(0.0001, 1e6);
+            m_size->setStepType(QAbstractSpinBox::AdaptiveDecimalStepType);
+            break;
+        case render::PointSizing::Density:
+            m_size->setDecimals(2);
+            m_size->setRange(0.1, 20.0);
+            m_size->setSingleStep(0.25);
+            break;
+    }
+    if (sizing != render::PointSizing::World) m_size->setStepType(QAbstractSpinBox::DefaultStepType);
+    m_size->setValue(m_settings.size());
 }
 
 void ColorPanel::setKind(std::optional<AttributeKind> kind)

@@ -35,6 +35,7 @@ public:
 
 private:
     void takeSettings();
+    void takeSize();
     void applyRange();
 
     ViewSettings& m_settings;
@@ -45,6 +46,9 @@ private:
     QSpinBox* m_bands = nullptr;
     QCheckBox* m_eyeDome = nullptr;
     QDoubleSpinBox* m_size = nullptr;
+    QComboBox* m_sizing = nullptr;
+    QCheckBox* m_round = nullptr;
+    QCheckBox* m_averaged = nullptr;
     QComboBox* m_samples = nullptr;
     std::pair<double, double> m_range{0.0, 0.0};
 };
