@@ -99,18 +99,38 @@ struct LayerProjection {
     }
 };
 
+/// The most planes that cut a view.
+constexpr std::size_t kMostClipPlanes = 6;
+
+/// Which part of a cloud is drawn, in its store's local integers: points with low <= local <= high, and for each
+/// plane dot(plane.xyz, q) + plane.w >= 0, where q = float(local - reference) of the layer's projection.
+struct LayerClip {
+    bool on = false;
+    glm::ivec3 low{INT32_MIN}, high{INT32_MAX};
+    std::size_t planeCount = 0;
+    std::array<glm::vec4, kMostClipPlanes> planes{};
+};
+
 /// One cloud of the view. The store is borrowed and must outlive its use by the backend.
 struct Layer {
     const PointStore* store = nullptr;
     PointId firstId = 0;
     LayerProjection projection;
+    LayerClip clip{};
 };
 
-/// What a frame draws: all layers as one camera sees them, and which classes are shown.
+/// What a frame draws: all layers as one camera sees them, and which classes are shown. Points that a store hides
+/// are not drawn.
 struct FrameScene {
     std::vector<Layer> layers;
     std::array<bool, 256> classVisible{};
     bool allClassesVisible = true;
+    /// Whether points have to be asked for their class or whether they are hidden.
+    bool filters() const noexcept
+    {
+        return !allClassesVisible ||
+               std::any_of(layers.begin(), layers.end(), [](const Layer& l) { return l.store->hidesAny(); });
+    }
 };
 
 /// Draws runs of slots and lists of ids into a visibility buffer (depth and point id per sample), and turns that

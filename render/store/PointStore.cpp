@@ -101,6 +101,7 @@ PointStore::PointStore(std::shared_ptr<const PointCloud> cloud, const RawBounds&
       m_positions(std::size_t(m_order.slotCount()) * sizeof(LocalPosition)),
       m_words(std::size_t(m_order.slotCount()) * sizeof(std::uint32_t)),
       m_classes(m_order.slotCount()),
+      m_hidden(m_order.slotCount()),
       m_positionVersions(blocks()),
       m_wordVersions(blocks())
 {
@@ -122,6 +123,30 @@ std::span<const std::uint32_t> PointStore::words() const noexcept
 std::span<const std::uint8_t> PointStore::classes() const noexcept
 {
     return {reinterpret_cast<const std::uint8_t*>(m_classes.data()), slotCount()};
+}
+
+std::span<const std::uint8_t> PointStore::hidden() const noexcept
+{
+    return {reinterpret_cast<const std::uint8_t*>(m_hidden.data()), slotCount()};
+}
+
+void PointStore::hide(const PointSet* points)
+{
+    if (points == nullptr && !m_hidesAny) return;
+    auto* const hidden = reinterpret_cast<std::uint8_t*>(m_hidden.data());
+    const PointIndex size =
+        std::min<PointIndex>(m_cloud->size(), points != nullptr ? points->size() : m_cloud->size());
+    tbb::parallel_for(tbb::blocked_range<PointIndex>(0, (size + kPutPoints - 1) / kPutPoints), [&](const auto& r) {
+        std::vector<Slot> slots(kPutPoints);
+        for (PointIndex piece = r.begin(); piece != r.end(); ++piece) {
+            const PointRange range{piece * kPutPoints, std::min(size, (piece + 1) * kPutPoints)};
+            m_order.slotsOf(range, slots.data());
+            for (PointIndex i = range.first; i < range.last; ++i)
+                hidden[slots[i - range.first]] = std::uint8_t(points != nullptr && points->contains(i));
+        }
+    });
+    m_hidesAny = points != nullptr;
+    ++m_hiddenVersion;
 }
 
 bool PointStore::isFilled(PointIndex index) const noexcept

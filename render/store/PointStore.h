@@ -85,6 +85,14 @@ public:
     std::span<const std::uint32_t> words() const noexcept;  ///< shown attribute, see AttributeEncoder
     std::span<const std::uint8_t> classes() const noexcept;
 
+    // -- points that are not to be drawn, whatever their class
+    /// Hides these points of the cloud from now on, and no others; null: none. In parallel, some nanoseconds a
+    /// point.
+    void hide(const PointSet* points);
+    bool hidesAny() const noexcept { return m_hidesAny; }
+    /// 1 for a hidden slot; all 0 unless hidesAny().
+    std::span<const std::uint8_t> hidden() const noexcept;
+
     /// Rises with every write to a block of kBlockSlots slots: a GPU copy compares it with what it has.
     static constexpr int kBlockBits = 16;
     static constexpr Slot kBlockSlots = 1 << kBlockBits;
@@ -93,11 +101,13 @@ public:
     {
         return m_positionVersions[block].load(std::memory_order_acquire);
     }
-    /// Of words and classes.
+    /// Of words.
     std::uint32_t wordVersion(Slot block) const noexcept
     {
         return m_wordVersions[block].load(std::memory_order_acquire);
     }
+    /// Of classes and of what is hidden.
+    std::uint32_t classVersion(Slot block) const noexcept { return wordVersion(block) + m_hiddenVersion; }
 
     // -- the shown attribute
     /// Shows another attribute from now on: every slot becomes stale.
@@ -129,7 +139,7 @@ private:
     SlotOrder m_order;
     RawBounds m_bounds;
     LocalFrame m_frame;
-    Buffer m_positions, m_words, m_classes;
+    Buffer m_positions, m_words, m_classes, m_hidden;
     Attribute m_classification;  ///< without columns when the cloud has none
     mutable std::mutex m_encoderMutex;
     std::shared_ptr<const AttributeEncoder> m_encoder;
@@ -139,7 +149,9 @@ private:
     std::vector<std::atomic<std::uint32_t>> m_positionVersions, m_wordVersions;
     std::vector<std::uint64_t> m_fresh;  ///< a bit a slot: up to date although m_refreshed has not come to it
     bool m_stale = false;
-    PointIndex m_refreshed = 0;  ///< points before this one are up to date
+    bool m_hidesAny = false;
+    std::uint32_t m_hiddenVersion = 0;  ///< rises with each hide()
+    PointIndex m_refreshed = 0;         ///< points before this one are up to date
 };
 
 }  // namespace punctum::render

@@ -40,7 +40,10 @@ struct Drawing {
     const LocalPosition* positions;
     PointId firstId;
     const std::uint8_t* classes;
-    const bool* classVisible;  ///< null: all are
+    const bool* classVisible;    ///< null: all are
+    const std::uint8_t* hidden;  ///< null: no point is
+    const LayerClip* clip;       ///< null: all is drawn
+    glm::ivec3 reference;
 };
 
 Drawing prepare(const KernelChoice& kernel, const FrameScene& scene, std::size_t layer, const TargetSize& size,
@@ -75,13 +78,29 @@ Drawing prepare(const KernelChoice& kernel, const FrameScene& scene, std::size_t
     d.firstId = l.firstId;
     d.classes = l.store->classes().data();
     d.classVisible = scene.allClassesVisible ? nullptr : scene.classVisible.data();
+    d.hidden = l.store->hidesAny() ? l.store->hidden().data() : nullptr;
+    d.clip = l.clip.on ? &l.clip : nullptr;
+    d.reference = p.reference;
     return d;
+}
+
+bool inside(const LayerClip& clip, const LocalPosition& p, const glm::ivec3& reference)
+{
+    bool in = p.x >= clip.low.x && p.x <= clip.high.x && p.y >= clip.low.y && p.y <= clip.high.y &&
+              p.z >= clip.low.z && p.z <= clip.high.z;
+    for (std::size_t k = 0; k < clip.planeCount && in; ++k) {
+        const glm::vec4& plane = clip.planes[k];
+        in = plane.x * float(p.x - reference.x) +
+                 (plane.y * float(p.y - reference.y) + (plane.z * float(p.z - reference.z) + plane.w)) >=
+             0.0f;
+    }
+    return in;
 }
 
 /// Leaves in the block what the scene shows of it.
 std::size_t keepShown(const Drawing& d, ProjectedBlock& block, std::size_t count)
 {
-    if (d.classVisible == nullptr) return count;
+    if (d.classVisible == nullptr && d.hidden == nullptr && d.clip == nullptr) return count;
     std::size_t kept = 0;
     for (std::size_t k = 0; k < count; ++k) {
         const PointId id = block.id[k];
@@ -89,7 +108,10 @@ std::size_t keepShown(const Drawing& d, ProjectedBlock& block, std::size_t count
         block.y[kept] = block.y[k];
         block.depth[kept] = block.depth[k];
         block.id[kept] = id;
-        kept += d.classVisible[d.classes[id - d.firstId]];
+        const PointId slot = id - d.firstId;
+        kept += (d.classVisible == nullptr || d.classVisible[d.classes[slot]]) &
+                (d.hidden == nullptr || d.hidden[slot] == 0) &
+                (d.clip == nullptr || inside(*d.clip, d.positions[slot], d.reference));
     }
     return kept;
 }

@@ -27,7 +27,7 @@ constexpr std::size_t kResolveChunks = 4;
 
 /// As scatter.comp reads it.
 struct ScatterEntry {
-    std::uint32_t slot, word, pointClass;
+    std::uint32_t slot, word, group;
 };
 static_assert(sizeof(ScatterEntry) == 12);
 
@@ -56,6 +56,14 @@ void usePointSize(const LayerProjection& p, int least, int most)
     glUniform1i(18, p.round);
 }
 
+void useClip(const LayerClip& clip)
+{
+    glUniform3i(22, clip.low.x, clip.low.y, clip.low.z);
+    glUniform3i(23, clip.high.x, clip.high.y, clip.high.z);
+    glUniform1i(24, clip.on ? GLint(clip.planeCount) : -1);
+    if (clip.planeCount > 0) glUniform4fv(25, GLsizei(clip.planeCount), &clip.planes[0].x);
+}
+
 std::array<std::uint32_t, 8> shownClasses(const FrameScene& scene) noexcept
 {
     std::array<std::uint32_t, 8> shown{};
@@ -73,10 +81,9 @@ GlBackend::GlBackend(const GlLimits& limits, std::uint32_t groupPoints)
         m_limits.chunkSlots =
             Slot(std::clamp<std::int64_t>(fits / kBlock * kBlock, kBlock, GlPointCopy::kMostChunkSlots));
     }
-    for (const bool classes : {false, true})
-        m_scatter[classes] = GlProgram::compute(
-            "scatter.comp",
-            {"#version 430 core\n", classes ? "#define CLASSES\n" : "", shader("scatter.comp.glsl")});
+    for (const bool groups : {false, true})
+        m_scatter[groups] = GlProgram::compute(
+            "scatter.comp", {"#version 430 core\n", groups ? "#define GROUPS\n" : "", shader("scatter.comp.glsl")});
 }
 
 GlBackend::~GlBackend() = default;
@@ -164,7 +171,7 @@ void GlBackend::draw(const FrameScene& scene, std::size_t layer, SlotRange slots
     if (slots.first >= slots.last) return;
     // Words before positions, as a point that was not there before shall not come with an older word.
     copy.update(*l.store, Part::Words, slots);
-    if (!scene.allClassesVisible) copy.update(*l.store, Part::Classes, slots);
+    if (scene.filters()) copy.update(*l.store, Part::Groups, slots);
     copy.update(*l.store, Part::Positions, slots);
     drawSlots(scene, l, slots);
     checkGlErrors("drawing points");
@@ -180,7 +187,7 @@ void GlBackend::reproject(const FrameScene& scene)
         if (std::exchange(copy.rebuilt, false))
             copy.update(*layer.store, Part::Positions, {0, layer.store->slotCount()});
     }
-    if (!scene.allClassesVisible) updateVisible(scene, Part::Classes);
+    if (scene.filters()) updateVisible(scene, Part::Groups);
 
     std::vector<ChunkPlace> all = places(scene);
     std::vector<PointId> firstIds;
@@ -205,7 +212,7 @@ void GlBackend::updateVisible(const FrameScene& scene, Part part)
         if (!copy.encoder) copy.encoder = encoder;
         if (copy.encoder != encoder || store.stale()) copy.wordsOutdated = true;
         const bool loading = store.filled() < store.cloud().size();
-        if (part == Part::Classes) copy.requireClasses();
+        if (part == Part::Groups) copy.requireGroups();
 
         const std::size_t stale = copy.staleBlocks(store, part);
         copy.updateSome(store, part, m_limits.blocksAFrame);
@@ -236,7 +243,8 @@ void GlBackend::scatter(const FrameScene& scene, const std::vector<bool>& layers
             const GlPointCopy::Chunk& chunk = copyOf(layer).chunks()[all[i].chunk];
             if (!layers[all[i].layer] || !chunk.words) continue;
             const std::uint32_t* const words = layer.store->words().data() + chunk.first;
-            const std::uint8_t* const classes = layer.store->classes().data() + chunk.first;
+            const auto classes = layer.store->classes().subspan(chunk.first);
+            const auto hidden = layer.store->hidden().subspan(chunk.first);
             const std::uint32_t* const slots = list.data() + commands[i].firstIndex;
             for (std::size_t done = 0; done < commands[i].count;) {
                 const std::size_t count = std::min(kScatterEntries, commands[i].count - done);
@@ -244,16 +252,16 @@ void GlBackend::scatter(const FrameScene& scene, const std::vector<bool>& layers
                 tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1 << 14), [&](const auto& r) {
                     for (std::size_t k = r.begin(); k != r.end(); ++k) {
                         const std::uint32_t slot = std::min(slots[done + k], chunk.slots - 1);
-                        entries[k] = {slot, words[slot], classes[slot]};
+                        entries[k] = {slot, words[slot], groupOf(classes[slot], hidden[slot])};
                     }
                 });
                 m_entries.reserve(count * sizeof(ScatterEntry));
                 m_entries.write(0, entries.data(), count * sizeof(ScatterEntry));
-                m_scatter[bool(chunk.classes)].use();
+                m_scatter[bool(chunk.groups)].use();
                 glUniform1ui(0, GLuint(count));
                 glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, m_entries.id());
                 glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, chunk.words.id());
-                if (chunk.classes) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, chunk.classes.id());
+                if (chunk.groups) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, chunk.groups.id());
                 glDispatchCompute(GLuint((count + 255) / 256), 1, 1);
                 done += count;
             }

@@ -60,7 +60,7 @@ protected:
 
     /// The visibility buffer is new.
     virtual void targetChanged() {}
-    /// Draws a run of slots, whose positions (and classes, when some are hidden) have come over.
+    /// Draws a run of slots, whose positions (and classes, when points are filtered) have come over.
     virtual void drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots) = 0;
     /// Draws the points that collect() listed for these chunks.
     virtual void drawLists(const FrameScene& scene, std::span<const ChunkPlace> places,
@@ -71,7 +71,7 @@ private:
     void updateCopies(const FrameScene& scene);
     /// All chunks of the scene, by rising first id.
     std::vector<ChunkPlace> places(const FrameScene& scene) const;
-    /// Brings words (or classes) of visible points up to date, and some of the others.
+    /// Brings words (or groups) of visible points up to date, and some of the others.
     void updateVisible(const FrameScene& scene, GlPointCopy::Part part);
     void scatter(const FrameScene& scene, const std::vector<bool>& layers);
     void runResolve(const FrameScene& scene, const ResolveSettings& settings);
@@ -81,7 +81,7 @@ private:
     std::uint32_t m_groupPoints;
     std::unique_ptr<GlVisibility> m_visibility;
     std::unordered_map<const PointStore*, GlPointCopy> m_copies;
-    std::array<GlProgram, 2> m_scatter;  ///< words; words and classes
+    std::array<GlProgram, 2> m_scatter;  ///< words; words and groups
     std::array<GlProgram, kSampleCounts.size()> m_resolve;
     GlBuffer m_entries, m_tables;
     GlTexture m_picture, m_sums;
@@ -92,6 +92,9 @@ void useProjection(const LayerProjection& projection);
 
 /// Sets the uniforms of size.glsl; `least` and `most`: steps that the device can draw.
 void usePointSize(const LayerProjection& projection, int least, int most);
+
+/// Sets the uniforms of clip.glsl.
+void useClip(const LayerClip& clip);
 
 /// Bits of the classes that a scene shows, as shaders take them: two uvec4.
 std::array<std::uint32_t, 8> shownClasses(const FrameScene& scene) noexcept;

@@ -15,7 +15,15 @@ constexpr Slot kBlockSlots = PointStore::kBlockSlots;
 
 std::uint32_t versionOf(const PointStore& store, GlPointCopy::Part part, Slot block) noexcept
 {
-    return part == GlPointCopy::Part::Positions ? store.positionVersion(block) : store.wordVersion(block);
+    switch (part) {
+        case GlPointCopy::Part::Positions:
+            return store.positionVersion(block);
+        case GlPointCopy::Part::Words:
+            return store.wordVersion(block);
+        case GlPointCopy::Part::Groups:
+            break;
+    }
+    return store.classVersion(block);
 }
 
 }  // namespace
@@ -28,7 +36,7 @@ GlPointCopy::GlPointCopy(const PointStore& store, Slot chunkSlots)
       m_frame(store.frame()),
       m_positionVersions(store.blocks()),
       m_wordVersions(store.blocks()),
-      m_classVersions(store.blocks())
+      m_groupVersions(store.blocks())
 {
     assert(chunkSlots >= kBlockSlots && chunkSlots % kBlockSlots == 0);
     for (std::uint64_t first = 0; first < m_slots; first += chunkSlots) {
@@ -47,12 +55,12 @@ bool GlPointCopy::matches(const PointStore& store) const noexcept
 
 std::vector<std::uint32_t>& GlPointCopy::versions(Part part) noexcept
 {
-    return part == Part::Positions ? m_positionVersions : part == Part::Words ? m_wordVersions : m_classVersions;
+    return part == Part::Positions ? m_positionVersions : part == Part::Words ? m_wordVersions : m_groupVersions;
 }
 
 const std::vector<std::uint32_t>& GlPointCopy::versions(Part part) const noexcept
 {
-    return part == Part::Positions ? m_positionVersions : part == Part::Words ? m_wordVersions : m_classVersions;
+    return part == Part::Positions ? m_positionVersions : part == Part::Words ? m_wordVersions : m_groupVersions;
 }
 
 void GlPointCopy::allocate(Chunk& chunk, Part part)
@@ -72,12 +80,12 @@ void GlPointCopy::allocate(Chunk& chunk, Part part)
         chunk.positions = std::move(positions);
         chunk.words = std::move(words);
     }
-    if (part == Part::Classes && !chunk.classes) {
-        chunk.classes = GlBuffer::allocate((slots + 3) / 4 * 4);
-        chunk.classes.clear();
+    if (part == Part::Groups && !chunk.groups) {
+        chunk.groups = GlBuffer::allocate((slots + 1) / 2 * 4);
+        chunk.groups.clear();
         glBindVertexArray(chunk.points.id());
-        glBindVertexBuffer(1, chunk.classes.id(), 0, 1);
-        glVertexAttribIFormat(1, 1, GL_UNSIGNED_BYTE, 0);
+        glBindVertexBuffer(1, chunk.groups.id(), 0, sizeof(std::uint16_t));
+        glVertexAttribIFormat(1, 1, GL_UNSIGNED_SHORT, 0);
         glVertexAttribBinding(1, 1);
         glEnableVertexAttribArray(1);
     }
@@ -101,9 +109,13 @@ void GlPointCopy::put(const PointStore& store, Part part, Slot firstBlock, Slot 
         case Part::Words:
             chunk.words.write(at * 4, store.words().data() + first, count * 4);
             break;
-        case Part::Classes:
-            chunk.classes.write(at, store.classes().data() + first, count);
+        case Part::Groups: {
+            std::vector<std::uint16_t> groups(count);
+            const auto classes = store.classes().subspan(first), hidden = store.hidden().subspan(first);
+            for (std::size_t k = 0; k < count; ++k) groups[k] = groupOf(classes[k], hidden[k]);
+            chunk.groups.write(at * sizeof(std::uint16_t), groups.data(), count * sizeof(std::uint16_t));
             break;
+        }
     }
 }
 
@@ -146,10 +158,10 @@ void GlPointCopy::updateSome(const PointStore& store, Part part, std::size_t blo
     }
 }
 
-void GlPointCopy::requireClasses()
+void GlPointCopy::requireGroups()
 {
     for (Chunk& chunk : m_chunks)
-        if (chunk.positions) allocate(chunk, Part::Classes);
+        if (chunk.positions) allocate(chunk, Part::Groups);
 }
 
 }  // namespace punctum::render

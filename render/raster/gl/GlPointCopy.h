@@ -11,6 +11,12 @@
 namespace punctum::render
 {
 
+/// What filters go by: the class, and whether the point is hidden.
+constexpr std::uint16_t groupOf(std::uint8_t pointClass, std::uint8_t hidden) noexcept
+{
+    return std::uint16_t(pointClass | (hidden != 0 ? 256u : 0u));
+}
+
 /// The copy of one PointStore in the device's memory, in chunks small enough for one storage block each.
 ///
 /// Blocks of PointStore::kBlockSlots slots are brought over when their version has risen, and only when somebody
@@ -33,22 +39,23 @@ public:
         Slot slots = 0;
         GlBuffer positions;    ///< 3 x int32 a slot
         GlBuffer words;        ///< uint32 a slot
-        GlBuffer classes;      ///< uint8 a slot; empty until classes are asked for
-        GlVertexArray points;  ///< attribute 0: positions; 1: classes, once there are any
+        GlBuffer groups;       ///< uint16 a slot, groupOf(); empty until they are asked for
+        GlVertexArray points;  ///< attribute 0: positions; 1: groups, once there are any
     };
     /// Chunk i begins at slot i * chunkSlots(). Buffers are empty handles until something was put there.
     std::span<const Chunk> chunks() const noexcept { return m_chunks; }
     Slot chunkSlots() const noexcept { return m_chunkSlots; }
 
-    enum class Part { Positions, Words, Classes };
+    /// Groups are what filters go by.
+    enum class Part { Positions, Words, Groups };
     /// Brings over the blocks that touch `range` and have changed; reads the store while loaders may write it.
     void update(const PointStore& store, Part part, SlotRange range);
     /// How many blocks have changed; chunks that nothing was drawn of do not count.
     std::size_t staleBlocks(const PointStore& store, Part part) const noexcept;
     /// Brings over at most so many changed blocks, beginning where the last call ended.
     void updateSome(const PointStore& store, Part part, std::size_t blocks);
-    /// Makes room for classes wherever something was drawn, so that attribute 1 can be used.
-    void requireClasses();
+    /// Makes room for groups wherever something was drawn, so that attribute 1 can be used.
+    void requireGroups();
 
     // -- notes of GlBackend on this copy
     bool rebuilt = false;        ///< visible points may not have come over yet
@@ -68,7 +75,7 @@ private:
     Slot m_chunkSlots, m_chunkBlocks;
     LocalFrame m_frame;
     std::vector<Chunk> m_chunks;
-    std::vector<std::uint32_t> m_positionVersions, m_wordVersions, m_classVersions;  ///< of what is here, by block
+    std::vector<std::uint32_t> m_positionVersions, m_wordVersions, m_groupVersions;  ///< of what is here, by block
     Slot m_cursor = 0;
 };
 

@@ -27,7 +27,7 @@ constexpr std::uint32_t kListPoints = 8 * kGroupSize;
 struct Variant {
     int pass = 0;  ///< see points.comp.glsl
     bool list = false;
-    bool classes = false;
+    bool filter = false;
     bool pixels = false;
     int samples = 1;
     friend auto operator<=>(const Variant&, const Variant&) = default;
@@ -46,7 +46,7 @@ GlProgram makeProgram(const Variant& v)
     define("GROUP_SIZE", std::to_string(kGroupSize));
     define("GROUP_POINTS", std::to_string(v.list ? kListPoints : kRunPoints));
     if (v.list) define("LIST", "");
-    if (v.classes) define("CLASS_FILTER", "");
+    if (v.filter) define("FILTER", "");
     if (v.pixels) define("PIXELS", "");
     std::string places;
     for (int s = 0; s < v.samples; ++s) {
@@ -55,8 +55,8 @@ GlProgram makeProgram(const Variant& v)
             (s > 0 ? ", " : "") + ("ivec2(" + std::to_string(place[0])) + ", " + std::to_string(place[1]) + ")";
     }
     define("SAMPLE_PLACES", places);
-    for (const char* const part :
-         {"gl/command.glsl", "gl/projection.glsl", "gl/size.glsl", "gl_compute/points.comp.glsl"})
+    for (const char* const part : {"gl/command.glsl", "gl/projection.glsl", "gl/size.glsl", "gl/clip.glsl",
+                                   "gl/group.glsl", "gl_compute/points.comp.glsl"})
         text += resource("shaders/" + std::string(part));
     return GlProgram::compute("points.comp", {text});
 }
@@ -130,23 +130,24 @@ void GlComputeBackend::use(int pass, bool list, const FrameScene& scene, const L
     const LayerProjection& p = layer.projection;
     const TargetSize size = target();
     const bool pixels = p.singlePixels(size.samples);
-    const Variant variant{pass, list, !scene.allClassesVisible, pixels, size.samples};
+    const Variant variant{pass, list, scene.filters(), pixels, size.samples};
     GlProgram& program = m_programs[variant];
     if (!program) program = makeProgram(variant);
     program.use();
     useProjection(p);
+    useClip(layer.clip);
     usePointSize(p, 1, std::numeric_limits<int>::max());
     const float margin = pixels ? 0.0f : p.margin();
     glUniform4f(7, -margin, float(size.width) + margin, -margin, float(size.height) + margin);
     glUniform4i(16, band.firstRow, band.lastRow, size.width, 0);
-    if (!scene.allClassesVisible) glUniform4uiv(14, 2, shownClasses(scene).data());
+    if (scene.filters()) glUniform4uiv(14, 2, shownClasses(scene).data());
 }
 
 void GlComputeBackend::bindChunk(const FrameScene& scene, const Layer& layer, const GlPointCopy::Chunk& chunk)
 {
     glUniform1ui(11, layer.firstId + chunk.first);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, chunk.positions.id());
-    if (!scene.allClassesVisible) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, chunk.classes.id());
+    if (scene.filters()) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, chunk.groups.id());
 }
 
 void GlComputeBackend::drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots)

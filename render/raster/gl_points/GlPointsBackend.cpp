@@ -63,12 +63,13 @@ GlPointsBackend::GlPointsBackend(const GlLimits& limits) : GlBackend(limits, 1)
     const std::string_view depth = info().clipControl ? "" : "#define FRAGMENT_DEPTH\n";
     const std::string head = "#version 430 core\n" + std::string(depth);
     for (const std::size_t variant : {0, 1, 2, 3}) {
-        const std::string_view filter = (variant & 1) != 0 ? "#define CLASS_FILTER\n" : "";
+        const std::string_view filter = (variant & 1) != 0 ? "#define FILTER\n" : "";
         const std::string_view circles = (variant & 2) != 0 ? "#define CIRCLES\n" : "";
         const std::string_view size = resource("shaders/gl/size.glsl");
         m_points[variant] = GlProgram::graphics(
             "points.vert",
-            {head, filter, circles, resource("shaders/gl/projection.glsl"), size, shader("points.vert.glsl")},
+            {head, filter, circles, resource("shaders/gl/projection.glsl"), size, resource("shaders/gl/clip.glsl"),
+             resource("shaders/gl/group.glsl"), shader("points.vert.glsl")},
             {head, circles, size, shader("points.frag.glsl")});
     }
 }
@@ -117,7 +118,7 @@ void GlPointsBackend::beginDrawing(const FrameScene& scene)
     for (const GLenum cap : {GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST}) glDisable(cap);
     const bool circles =
         std::any_of(scene.layers.begin(), scene.layers.end(), [](const Layer& l) { return l.projection.round; });
-    m_points[std::size_t(!scene.allClassesVisible) + (circles ? 2 : 0)].use();
+    m_points[std::size_t(scene.filters()) + (circles ? 2 : 0)].use();
     if (circles) {
         glUniform1i(20, size.samples);
         glUniform2iv(21, kSampleCounts.back(), m_places.data());
@@ -125,13 +126,14 @@ void GlPointsBackend::beginDrawing(const FrameScene& scene)
     glUniform2f(8, float(size.width), float(size.height));
     glUniform1f(9, m_margin);
     glUniform1f(10, m_perPixel);
-    if (!scene.allClassesVisible) glUniform4uiv(14, 2, shownClasses(scene).data());
+    if (scene.filters()) glUniform4uiv(14, 2, shownClasses(scene).data());
 }
 
 void GlPointsBackend::useLayer(const Layer& layer)
 {
     const LayerProjection& p = layer.projection;
     useProjection(p);
+    useClip(layer.clip);
     usePointSize(p, int(std::ceil(m_minPointSize * kSampleSteps)), int(m_maxPointSize) * kSampleSteps);
 }
 

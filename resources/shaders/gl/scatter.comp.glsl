@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Puts words and classes of single slots into a chunk.
+// Puts words and groups of single slots into a chunk.
 layout(local_size_x = 256) in;
 
 struct Entry {
     uint slot;  // in the chunk
     uint word;
-    uint pointClass;
+    uint group;
 };
 layout(std430, binding = 0) readonly buffer Entries { Entry entries[]; };
 layout(std430, binding = 1) writeonly buffer Words { uint words[]; };
-#ifdef CLASSES
-layout(std430, binding = 2) coherent buffer Classes { uint classes[]; };  // four to a word
+#ifdef GROUPS
+layout(std430, binding = 2) coherent buffer Groups { uint groups[]; };  // two to a word
 #endif
 layout(location = 0) uniform uint count;
 
@@ -20,9 +20,9 @@ void main()
     if (i >= count) return;
     const Entry entry = entries[i];
     words[entry.slot] = entry.word;
-#ifdef CLASSES
-    const uint shift = (entry.slot & 3u) * 8u;
-    atomicAnd(classes[entry.slot >> 2], ~(255u << shift));
-    atomicOr(classes[entry.slot >> 2], entry.pointClass << shift);
+#ifdef GROUPS
+    const uint shift = (entry.slot & 1u) * 16u;
+    atomicAnd(groups[entry.slot >> 1], ~(0xFFFFu << shift));
+    atomicOr(groups[entry.slot >> 1], entry.group << shift);
 #endif
 }

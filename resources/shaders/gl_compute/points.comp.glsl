@@ -10,9 +10,8 @@
 layout(local_size_x = GROUP_SIZE) in;
 
 layout(std430, binding = 0) readonly buffer Positions { int positions[]; };  // local integers; x == 0: empty slot
-#ifdef CLASS_FILTER
-layout(std430, binding = 1) readonly buffer Classes { uint classes[]; };  // four to a word
-layout(location = 14) uniform uvec4 shownClasses[2];                      // a bit a class
+#ifdef FILTER
+layout(std430, binding = 1) readonly buffer Groups { uint groups[]; };  // two to a word
 #endif
 #ifdef LIST
 layout(std430, binding = 2) readonly buffer List { uint list[]; };  // slots in the chunk
@@ -56,9 +55,9 @@ void draw(uint slot)
     precise const vec2 px = vec2(along(rowX, q), along(rowY, q)) * inverse;
     bool shown = position.x != 0 && depth >= nearDepth && px.x >= kept.x && px.x < kept.y && px.y >= kept.z &&
                  px.y < kept.w;
-#ifdef CLASS_FILTER
-    const uint pointClass = (classes[slot >> 2] >> ((slot & 3u) * 8u)) & 255u;
-    shown = shown && ((shownClasses[pointClass >> 7][(pointClass >> 5) & 3u] >> (pointClass & 31u)) & 1u) != 0u;
+    shown = shown && !clipped(position, q);
+#ifdef FILTER
+    shown = shown && isShown((groups[slot >> 1] >> ((slot & 1u) * 16u)) & 0xFFFFu);
 #endif
     if (!shown) return;
 

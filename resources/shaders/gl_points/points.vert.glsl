@@ -2,9 +2,8 @@
 // Projects one point (LayerProjection in render/raster/Backend.h), and places it so that the rasterizer covers
 // exactly the samples that the contract asks for.
 layout(location = 0) in ivec3 position;  // local integers; x == 0: empty slot
-#ifdef CLASS_FILTER
-layout(location = 1) in uint pointClass;
-layout(location = 14) uniform uvec4 shownClasses[2];  // a bit a class
+#ifdef FILTER
+layout(location = 1) in uint group;
 #endif
 
 layout(location = 8) uniform vec2 pictureSize; // px
@@ -31,8 +30,9 @@ void main()
 
     bool keep = position.x != 0 && depth >= nearDepth && all(greaterThanEqual(px, vec2(-halfSize))) &&
                 all(lessThan(px, pictureSize + halfSize));
-#ifdef CLASS_FILTER
-    keep = keep && ((shownClasses[pointClass >> 7][(pointClass >> 5) & 3u] >> (pointClass & 31u)) & 1u) != 0u;
+    keep = keep && !clipped(position, q);
+#ifdef FILTER
+    keep = keep && isShown(group);
 #endif
 
     // Samples lie at multiples of 1/16 px. Moving the square so that its edges lie in the middle between two of

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+// LayerClip in render/raster/Backend.h, as useClip() sets it.
+layout(location = 22) uniform ivec3 clipLow;
+layout(location = 23) uniform ivec3 clipHigh;
+layout(location = 24) uniform int planeCount;  // -1: all is drawn
+layout(location = 25) uniform vec4 planes[6];
+
+bool clipped(ivec3 position, vec3 q)
+{
+    if (planeCount < 0) return false;
+    if (any(lessThan(position, clipLow)) || any(greaterThan(position, clipHigh))) return true;
+    for (int k = 0; k < planeCount; ++k)
+        if (along(planes[k], q) < 0.0) return true;
+    return false;
+}
