@@ -14,6 +14,7 @@
 #include "ui/docks/JobsDock.h"
 #include "ui/docks/ProcessingDock.h"
 #include "ui/docks/PropertiesDock.h"
+#include "ui/docks/VisibilityDock.h"
 #include "ui/style/Icons.h"
 
 #include <QActionGroup>
@@ -213,7 +214,7 @@ void MainMenu::makeView()
     QMenu* panels = menu->addMenu(tr("Pa&nels"));
     for (QDockWidget* dock : std::initializer_list<QDockWidget*>{
              &m_window.attributesDock(), &m_window.classesDock(), &m_window.processingDock(),
-             &m_window.propertiesDock(), &m_window.jobsDock()})
+             &m_window.propertiesDock(), &m_window.visibilityDock(), &m_window.jobsDock()})
         panels->addAction(dock->toggleViewAction());
     QMenu* appearance = menu->addMenu(tr("App&earance"));
     m_appearances = new QActionGroup(this);

@@ -9,6 +9,7 @@
 #include "ui/SaveDialogs.h"
 #include "ui/Screenshot.h"
 #include "ui/Text.h"
+#include "ui/ViewFilter.h"
 #include "ui/ViewRenderer.h"
 #include "ui/ViewSettings.h"
 #include "ui/ViewSurface.h"
@@ -22,6 +23,7 @@
 #include "ui/docks/JobsModel.h"
 #include "ui/docks/ProcessingDock.h"
 #include "ui/docks/PropertiesDock.h"
+#include "ui/docks/VisibilityDock.h"
 #include "ui/style/Icons.h"
 
 #include <QApplication>
@@ -126,11 +128,14 @@ void MainWindow::addDocks()
     m_processing = new ProcessingDock(*m_workspace, this);
     m_properties = new PropertiesDock(this);
     m_jobs = new JobsDock(*m_workspace, this);
+    m_filter = new ViewFilter(*m_workspace, *m_renderer, *m_view, this);
+    m_visibility = new VisibilityDock(*m_filter, *m_view, *m_viewport, this);
     addDockWidget(Qt::LeftDockWidgetArea, m_attributes);
     addDockWidget(Qt::LeftDockWidgetArea, m_classes);
     addDockWidget(Qt::RightDockWidgetArea, m_processing);
     addDockWidget(Qt::RightDockWidgetArea, m_properties);
     tabifyDockWidget(m_processing, m_properties);
+    tabifyDockWidget(m_properties, m_visibility);
     addDockWidget(Qt::RightDockWidgetArea, m_jobs);
     m_processing->raise();
     for (QDockWidget* dock : std::initializer_list<QDockWidget*>{m_attributes, m_classes, m_jobs}) {
@@ -138,9 +143,9 @@ void MainWindow::addDocks()
         title->setProperty("dockTitle", true);
         dock->setTitleBarWidget(title);
     }
-    // These two share a place, and their tabs say their names.
-    m_processing->setTitleBarWidget(new QWidget);
-    m_properties->setTitleBarWidget(new QWidget);
+    // These share a place, and their tabs say their names.
+    for (QDockWidget* dock : std::initializer_list<QDockWidget*>{m_processing, m_properties, m_visibility})
+        dock->setTitleBarWidget(new QWidget);
     setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
     setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
     resizeDocks({m_attributes, m_processing}, {330, 310}, Qt::Horizontal);
@@ -172,6 +177,7 @@ void MainWindow::connectParts()
         m_classes->setDocument(document);
         m_processing->setDocument(document);
         m_properties->setDocument(document);
+        m_visibility->setDocument(document);
         updateTitle();
     });
     connect(&m_jobs->model(), &JobsModel::ticked, this, [this] {

@@ -28,8 +28,10 @@ class MainMenu;
 class ProcessingDock;
 class PropertiesDock;
 class ViewRenderer;
+class ViewFilter;
 class ViewSettings;
 class Viewport;
+class VisibilityDock;
 class WindowSettings;
 class Workspace;
 struct PickedPoint;
@@ -73,6 +75,8 @@ public:
     ProcessingDock& processingDock() noexcept { return *m_processing; }
     PropertiesDock& propertiesDock() noexcept { return *m_properties; }
     JobsDock& jobsDock() noexcept { return *m_jobs; }
+    VisibilityDock& visibilityDock() noexcept { return *m_visibility; }
+    ViewFilter& viewFilter() noexcept { return *m_filter; }
     MainMenu& menu() noexcept { return *m_menu; }
 
     /// Asks about unsaved changes; replaced by tests. The default shows a message box.
@@ -128,6 +132,8 @@ private:
     ProcessingDock* m_processing = nullptr;
     PropertiesDock* m_properties = nullptr;
     JobsDock* m_jobs = nullptr;
+    ViewFilter* m_filter = nullptr;
+    VisibilityDock* m_visibility = nullptr;
     MainMenu* m_menu = nullptr;
     QLabel* m_readOut = nullptr;
     QLabel* m_viewState = nullptr;

@@ -195,6 +195,14 @@ void ViewRenderer::valuesChanged(std::shared_ptr<const PointCloud> cloud, const 
     });
 }
 
+void ViewRenderer::hide(std::shared_ptr<const PointCloud> cloud, std::shared_ptr<const PointSet> points)
+{
+    post([cloud = std::move(cloud), points = std::move(points)](Thread& thread) {
+        thread.renderer->hide(*cloud, points.get());
+        thread.dirty = true;
+    });
+}
+
 void ViewRenderer::pick(int x, int y, QObject* receiver, PickReply reply)
 {
     post([x, y, target = QPointer<QObject>(receiver), reply = std::move(reply), this](Thread& thread) {

@@ -71,6 +71,9 @@ public:
     void removeCloud(std::shared_ptr<const PointCloud> cloud);
     void valuesChanged(std::shared_ptr<const PointCloud> cloud, const ChangeNotice& notice);
 
+    /// Points that are not drawn; null: none.
+    void hide(std::shared_ptr<const PointCloud> cloud, std::shared_ptr<const PointSet> points);
+
     using PickReply = std::function<void(const std::optional<PickedPoint>&)>;
     /// What is at this px of the picture; `reply` is called in the thread of `receiver`, unless that is gone.
     void pick(int x, int y, QObject* receiver, PickReply reply);

@@ -179,6 +179,13 @@ void ViewSettings::setBackground(Background background)
     notify();
 }
 
+void ViewSettings::setClip(const Clip& clip)
+{
+    if (clip == m_display.clip) return;
+    m_display.clip = clip;
+    notify();
+}
+
 void ViewSettings::setClassColor(unsigned code, render::Rgba8 color)
 {
     if (code > 255 || m_display.palette[code] == color) return;

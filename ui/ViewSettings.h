@@ -53,6 +53,7 @@ public:
     void setOwnBackground(render::Rgba8 color);
     render::Rgba8 ownBackground() const noexcept { return m_ownBackground; }
     Background background() const noexcept { return m_background; }
+    void setClip(const Clip& clip);
     void setClassColor(unsigned code, render::Rgba8 color);
     void setClassVisible(unsigned code, bool visible);
     void setAllClassesVisible(bool visible);

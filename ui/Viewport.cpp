@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/Viewport.h"
 
+#include "ui/ClipFrame.h"
 #include "ui/Document.h"
 #include "ui/MessageArea.h"
 #include "ui/Overlays.h"
@@ -48,6 +49,7 @@ Viewport::Viewport(ViewRenderer& renderer, ViewSettings& settings, bool openGl, 
       m_renderer(renderer),
       m_settings(settings),
       m_surface(makeViewSurface(*this, openGl)),
+      m_clipFrame(new ClipFrame(this)),
       m_title(new TitleOverlay(this)),
       m_legend(new LegendOverlay(this)),
       m_compass(new CompassOverlay(this)),
@@ -100,6 +102,7 @@ void Viewport::applyCamera(const render::Camera& camera)
 {
     m_camera = camera;
     m_renderer.setCamera(camera);
+    m_clipFrame->setCamera(camera);
     m_compass->setCamera(camera, pictureSize().height(), m_pixelRatio, viewUnit());
     emit cameraChanged();
 }
@@ -330,6 +333,7 @@ void Viewport::sendDisplay()
     render::DisplaySettings display = m_settings.display();
     display.pointSize *= m_pixelRatio;  // chosen in logical px
     m_renderer.setDisplay(display);
+    m_clipFrame->setBox(display.clip.box);
     updateLegend();
 }
 
@@ -413,6 +417,7 @@ void Viewport::updateLegend()
 void Viewport::placeOverlays()
 {
     m_surface->widget().setGeometry(rect());
+    m_clipFrame->setGeometry(rect());
     m_empty->setGeometry(rect());
     m_dropHint->setGeometry(rect());
     m_title->move(kEdge, kEdge);

@@ -15,6 +15,7 @@ class QVariantAnimation;
 namespace punctum::ui
 {
 
+class ClipFrame;
 class CompassOverlay;
 class Document;
 class DropHint;
@@ -109,6 +110,7 @@ private:
     ViewRenderer& m_renderer;
     ViewSettings& m_settings;
     ViewSurface* m_surface = nullptr;  ///< a child widget
+    ClipFrame* m_clipFrame = nullptr;
     TitleOverlay* m_title = nullptr;
     LegendOverlay* m_legend = nullptr;
     CompassOverlay* m_compass = nullptr;

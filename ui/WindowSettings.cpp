@@ -21,7 +21,7 @@ namespace
 {
 
 constexpr int kRecentFiles = 10;
-constexpr int kLayoutVersion = 1;  // raise when docks come or go
+constexpr int kLayoutVersion = 2;  // raise when docks come or go
 
 const QString kGeometry = QStringLiteral("window/geometry");
 const QString kLayout = QStringLiteral("window/state");

@@ -8,8 +8,13 @@
 #include "app/commands/Command.h"
 #include "core/Error.h"
 #include "core/Text.h"
+#include "core/cloud/Visibility.h"
+#include "core/expression/Condition.h"
 #include "core/task/Progress.h"
 #include "render/color/ColorMap.h"
+
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -42,6 +47,9 @@ struct RenderOptions {
     int bands = 0;
     std::string backend = "auto";
     std::string background;
+    std::string clip;
+    std::vector<std::string> planes;
+    std::string filter;
     bool bruteForce = false;
     bool json = false;
 };
@@ -53,6 +61,7 @@ struct RenderRequest {
     int height = 0;
     std::optional<std::pair<double, double>> range;
     Background background;
+    Clip clip;
 };
 
 std::pair<double, double> parseRange(const std::string& text)
@@ -66,6 +75,43 @@ std::pair<double, double> parseRange(const std::string& text)
         low < high)
         return {low, high};
     throw std::invalid_argument("\"" + text + "\" is no range; write LOW:HIGH, the lower number first.");
+}
+
+/// Numbers with commas between them.
+std::vector<double> parseNumbers(const std::string& text)
+{
+    std::vector<double> numbers;
+    for (const std::string& part : CLI::detail::split(text, ',')) {
+        double number = 0;
+        if (!CLI::detail::lexical_cast(part, number) || !std::isfinite(number)) return {};
+        numbers.push_back(number);
+    }
+    return numbers;
+}
+
+WorldBounds parseBox(const std::string& text)
+{
+    const std::size_t colon = text.find(':');
+    const std::vector<double> a = parseNumbers(text.substr(0, colon));
+    const std::vector<double> b = parseNumbers(colon == std::string::npos ? "" : text.substr(colon + 1));
+    WorldBounds box;
+    bool fine = a.size() == 3 && b.size() == 3;
+    for (std::size_t axis = 0; axis < 3 && fine; ++axis) {
+        box.min[int(axis)] = a[axis];
+        box.max[int(axis)] = b[axis];
+        fine = a[axis] <= b[axis];
+    }
+    if (fine) return box;
+    throw std::invalid_argument("\"" + text +
+                                "\" is no box; write XMIN,YMIN,ZMIN:XMAX,YMAX,ZMAX, the lower numbers first.");
+}
+
+ClipPlane parsePlane(const std::string& text)
+{
+    const std::vector<double> n = parseNumbers(text);
+    if (n.size() == 4 && (n[0] != 0 || n[1] != 0 || n[2] != 0)) return {{n[0], n[1], n[2]}, n[3]};
+    throw std::invalid_argument("\"" + text +
+                                "\" is no plane; write A,B,C,D to keep what has A x + B y + C z >= D.");
 }
 
 std::string listOf(const PointCloud& cloud)
@@ -134,18 +180,28 @@ void runRender(const RenderRequest& request, Progress& progress)
     display.bands = options.bands;
     display.backgroundTop = request.background.top;
     display.backgroundBottom = request.background.bottom;
+    display.clip = request.clip;
     renderer.setDisplay(display);
     for (const DrawableCloud& loaded : clouds) {
         renderer.addCloud(loaded.store);
         renderer.loadingEnded(*loaded.cloud, loaded.bounds);
+        if (options.filter.empty()) continue;
+        const expression::Condition filter(options.filter, *loaded.cloud);
+        renderer.hide(*loaded.cloud, hiddenByFilter(*loaded.cloud, filter, progress).get());
     }
 
     const glm::dvec2 size(request.width, request.height);
     render::Camera camera;
     camera.setView(options.view.empty() ? "iso" : options.view);
     camera.stretch = render::viewStretch(*clouds.front().cloud, bounds);
-    camera.fit(bounds, size);
-    if (!options.camera.empty()) camera = readCamera(options.camera, camera, bounds, size);
+    WorldBounds shown = bounds;
+    if (request.clip.box) {
+        shown.min = glm::max(shown.min, request.clip.box->min);
+        shown.max = glm::min(shown.max, request.clip.box->max);
+        if (glm::any(glm::greaterThan(shown.min, shown.max))) throw Error("No point lies in the box of --clip.");
+    }
+    camera.fit(shown, size);
+    if (!options.camera.empty()) camera = readCamera(options.camera, camera, shown, size);
     renderer.setCamera(camera);
 
     const Picture picture = drawPicture(renderer, request.width, request.height, options.bruteForce, progress);
@@ -246,6 +302,17 @@ void addRender(CLI::App& root, Action& action)
     command.add_option("--bands", options->bands, "Show a quantity in so many steps of color, 2 to 64")
         ->type_name("N")
         ->check(CLI::Range(2, 64));
+    command.add_option("--clip", options->clip, "Draw only what lies in this box of coordinates")
+        ->type_name("XMIN,YMIN,ZMIN:XMAX,YMAX,ZMAX");
+    command
+        .add_option("--clip-plane", options->planes, "Draw only points with A x + B y + C z >= D; up to six times")
+        ->type_name("A,B,C,D")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command
+        .add_option("--filter", options->filter,
+                    "Draw only points for which this holds, such as \"Intensity > 2000 and ReturnNumber == 1\"")
+        ->type_name("CONDITION");
     addBackendOption(command, options->backend);
     command
         .add_option("--background", options->background,
@@ -259,10 +326,17 @@ void addRender(CLI::App& root, Action& action)
         try {
             std::tie(request.width, request.height) = parseSize(options->size);
             if (!options->range.empty()) request.range = parseRange(options->range);
+            if (!options->clip.empty()) request.clip.box = parseBox(options->clip);
+            for (const std::string& plane : options->planes) request.clip.planes.push_back(parsePlane(plane));
+            if (request.clip.planes.size() > render::kMostClipPlanes)
+                throw std::invalid_argument("There may be at most six planes that clip.");
+            if (!options->filter.empty()) expression::Condition::check(options->filter);
             if (!options->background.empty()) request.background = parseBackground(options->background);
             if (CLI::detail::to_lower(std::filesystem::path(options->out).extension().string()) != ".png")
                 throw std::invalid_argument("The picture to write, " + options->out + ", must end in .png.");
         } catch (const std::invalid_argument& wrong) {
+            throw CLI::ValidationError(wrong.what());
+        } catch (const Error& wrong) {
             throw CLI::ValidationError(wrong.what());
         }
         action = [request](Progress& p) { runRender(request, p); };

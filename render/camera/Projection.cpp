@@ -65,4 +65,35 @@ LayerProjection makeProjection(const Camera& camera, const PointStore& store, co
     return p;
 }
 
+LayerClip makeClip(const Clip& clip, const PointStore& store, const glm::ivec3& reference)
+{
+    LayerClip result;
+    result.on = clip.any();
+    const CoordinateScale& grid = store.cloud().coordinates();
+    const LocalFrame& frame = store.frame();
+    if (clip.box) {
+        const RawBounds raw = rawInside(*clip.box, grid);
+        const std::int64_t step = std::int64_t(1) << frame.shift;
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto local = [&](std::int64_t v) {
+                return std::int32_t(std::clamp<std::int64_t>(v, INT32_MIN, INT32_MAX));
+            };
+            // Where a local integer stands for several raw ones, the first of them decides.
+            result.low[axis] = local((raw.min[axis] - frame.origin[axis] + step - 1) >> frame.shift);
+            result.high[axis] = local((raw.max[axis] - frame.origin[axis]) >> frame.shift);
+        }
+    }
+    const glm::dvec3 unit = grid.scale * double(1 << frame.shift);
+    const glm::dvec3 at = grid.toWorld(frame.toRaw(glm::dvec3(reference)));
+    for (const ClipPlane& plane : clip.planes) {
+        if (result.planeCount == kMostClipPlanes) break;
+        // Divided by its largest part, so that float holds it whatever the units.
+        const glm::dvec3 row = plane.normal * unit;
+        const double largest = std::max({std::abs(row.x), std::abs(row.y), std::abs(row.z), 1e-300});
+        result.planes[result.planeCount++] =
+            glm::vec4(glm::vec3(row / largest), float((glm::dot(plane.normal, at) - plane.distance) / largest));
+    }
+    return result;
+}
+
 }  // namespace punctum::render

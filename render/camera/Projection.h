@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/cloud/Visibility.h"
 #include "render/camera/Camera.h"
 #include "render/raster/Backend.h"
 
@@ -26,6 +27,8 @@ struct PointStyle {
 /// origin of the CRS.
 LayerProjection makeProjection(const Camera& camera, const PointStore& store, const PicturePart& part,
                                const PointStyle& style = {});
+/// What of a store lies inside; `reference`: of its projection. At most kMostClipPlanes planes count.
+LayerClip makeClip(const Clip& clip, const PointStore& store, const glm::ivec3& reference);
 inline LayerProjection makeProjection(const Camera& camera, const PointStore& store, const TargetSize& size,
                                       const PointStyle& style = {})
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/cloud/Visibility.h"
 #include "render/color/ColorMap.h"
 #include "render/resolve/Image.h"
 #include "render/resolve/ResolveSettings.h"
@@ -27,6 +28,7 @@ struct DisplaySettings {
     std::optional<std::pair<double, double>> range;  ///< Scalar; none: 2nd to 98th percentile over all clouds
     std::array<Rgba8, 256> palette{};                ///< Class; defaults to asprsClasses()
     std::array<bool, 256> classVisible{};            ///< defaults to all
+    Clip clip;                                       ///< what lies outside is not drawn; at most kMostClipPlanes
     PointSizing sizing = PointSizing::Pixels;
     double pointSize = 1.0;  ///< Pixels: px
     double worldSize = 0.1;  ///< World: view units (Camera)

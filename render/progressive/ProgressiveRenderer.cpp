@@ -143,6 +143,14 @@ void ProgressiveRenderer::valuesChanged(const PointCloud& cloud, const ChangeNot
     m_resolveNeeded = true;
 }
 
+void ProgressiveRenderer::hide(const PointCloud& cloud, const PointSet* points)
+{
+    Entry* const entry = find(cloud);
+    if (entry == nullptr || (points == nullptr && !entry->store->hidesAny())) return;
+    entry->store->hide(points);
+    m_viewChanged = true;
+}
+
 void ProgressiveRenderer::setSize(int width, int height)
 {
     width = std::max(width, 1);
@@ -173,7 +181,8 @@ void ProgressiveRenderer::setDisplay(const DisplaySettings& display)
     if (before.samples != m_display.samples) m_targetChanged = true;
     if (before.sizing != m_display.sizing || before.pointSize != m_display.pointSize ||
         before.worldSize != m_display.worldSize || before.spacings != m_display.spacings ||
-        before.round != m_display.round || before.classVisible != m_display.classVisible)
+        before.round != m_display.round || before.classVisible != m_display.classVisible ||
+        before.clip != m_display.clip)
         m_viewChanged = true;
     if (before.range != m_display.range || before.attribute != m_display.attribute) m_rangeNeeded = true;
     if (before.attribute != m_display.attribute)
@@ -211,6 +220,8 @@ void ProgressiveRenderer::updateScene()
     for (const auto& entry : m_entries) {
         m_scene.layers.push_back(
             {entry->store.get(), firstId, makeProjection(m_camera, *entry->store, part, styleOf(*entry))});
+        Layer& layer = m_scene.layers.back();
+        layer.clip = makeClip(m_display.clip, *entry->store, layer.projection.reference);
         firstId += entry->store->slotCount();
     }
     m_scene.classVisible = m_display.classVisible;

@@ -54,6 +54,9 @@ public:
     void valuesChanged(const PointCloud& cloud, const ChangeNotice& notice);
     void loadingEnded(const PointCloud& cloud, const RawBounds& bounds);
 
+    /// Points that are not drawn from now on, beside hidden classes and what the clip cuts off; null: none.
+    void hide(const PointCloud& cloud, const PointSet* points);
+
     // -- view
     void setSize(int width, int height);
     /// Draws a part, of setSize(), of a larger picture; none: all of it. Nothing of the picture as a whole is in it

@@ -4,6 +4,7 @@
 
 #include <QImage>
 #include <QImageReader>
+#include <QJsonArray>
 #include <QTemporaryDir>
 
 #include <algorithm>
@@ -117,6 +118,10 @@ private slots:
         QTest::newRow("1 sample") << QStringList{"--samples", "1"};
         QTest::newRow("4 samples") << QStringList{"--samples", "4"};
         QTest::newRow("large points") << QStringList{"--samples", "1", "--point-size", "3.5"};
+        QTest::newRow("round, world size") << QStringList{"--samples", "4", "--world-size", "2", "--round"};
+        QTest::newRow("by density, averaged") << QStringList{"--adaptive-size", "1.5", "--average"};
+        QTest::newRow("filter and planes") << QStringList{"--filter",    "Classification == 2", "--clip-plane",
+                                                          "0,0,-1,-1e5", "--clip-plane",        "1,0,0,0"};
         QTest::newRow("a quantity") << QStringList{"--samples", "4", "--attribute", "Z", "--view", "front"};
     }
     void convergesToTheBruteForcePicture()
@@ -132,10 +137,14 @@ private slots:
     {
         QTest::addColumn<QString>("samples");
         QTest::addColumn<QString>("backend");
-        QTest::newRow("1 sample, points") << "1" << "gl-points";
-        QTest::newRow("4 samples, points") << "4" << "gl-points";
-        QTest::newRow("1 sample, compute") << "1" << "gl-compute";
-        QTest::newRow("8 samples, compute") << "8" << "gl-compute";
+        QTest::newRow("1 sample, points") << "1"
+                                          << "gl-points";
+        QTest::newRow("4 samples, points") << "4"
+                                           << "gl-points";
+        QTest::newRow("1 sample, compute") << "1"
+                                           << "gl-compute";
+        QTest::newRow("8 samples, compute") << "8"
+                                            << "gl-compute";
     }
     void drawsTheSameByOpenGl()
     {
@@ -143,10 +152,9 @@ private slots:
         QFETCH(QString, backend);
         const QStringList options{"--samples", samples, "--point-size", "2"};
         const QImage cpu = render("cpu.png", options + QStringList{"--backend", "cpu"});
-        const Outcome run =
-            runPunctum(QStringList{"render", path("in.las"), "-o", path("gl.png"), "--size", "640x400",
-                                   "--background", "transparent", "--backend", backend} +
-                       options);
+        const Outcome run = runPunctum(QStringList{"render", path("in.las"), "-o", path("gl.png"), "--size",
+                                                   "640x400", "--background", "transparent", "--backend", backend} +
+                                       options);
         if (run.exitCode == 1 && run.err.contains("OpenGL") && run.err.contains("no"))
             QSKIP(qPrintable("This machine has no OpenGL to test: " + run.err));
         PUNCTUM_EXIT(run, 0);
@@ -163,6 +171,38 @@ private slots:
         // points of nearly the same depth, may fall the other way: measured well below 1 % of the covered pixels.
         QVERIFY(covered > 10'000);
         QVERIFY2(different * 100 <= covered, qPrintable(QString("%1 of %2").arg(different).arg(covered)));
+    }
+
+    /// Each hides something, and nothing else is drawn.
+    void hidesWhatItIsTold()
+    {
+        const QStringList top{"--view", "top", "--samples", "1", "--attribute", "Classification"};
+        const double all = coveredShare(render("all.png", top));
+        const Outcome info = runPunctum({"info", path("in.las"), "--json"});
+        const QJsonArray low = info.json()["min"].toArray(), high = info.json()["max"].toArray();
+        const auto at = [&](int axis, double share) {
+            return QString::number(low[axis].toDouble() + share * (high[axis].toDouble() - low[axis].toDouble()));
+        };
+        const QString half =
+            at(0, 0) + ',' + at(1, 0) + ',' + at(2, -1) + ':' + at(0, 0.5) + ',' + at(1, 1) + ',' + at(2, 2);
+        QVERIFY(coveredShare(render("filter.png", top + QStringList{"--filter", "Classification == 6"})) <
+                0.5 * all);
+        const QImage plane = render("plane.png", top + QStringList{"--clip-plane", "-1,0,0,-" + at(0, 0.5)});
+        QVERIFY(coveredShare(plane) < 0.7 * all);
+        QVERIFY(render("clip.png", top + QStringList{"--clip", half}) != render("all.png", top));
+        const QStringList command{"render", path("in.las"), "-o", path("no.png")};
+        for (const QStringList& wrong :
+             {QStringList{"--filter", "Intensity >"}, QStringList{"--clip", "1,2:3"},
+              QStringList{"--clip", "1,2,3:0,9,9"}, QStringList{"--clip-plane", "0,0,0,1"}})
+            PUNCTUM_EXIT(runPunctum(command + wrong), 2);
+        for (const QStringList& wrong :
+             {QStringList{"--filter", "NoSuchThing > 3"}, QStringList{"--clip", "-9,-9,-9:-8,-8,-8"},
+              QStringList{"--average", "--backend", "gl-compute"}}) {
+            const Outcome run = runPunctum(command + wrong);
+            PUNCTUM_EXIT(run, 1);
+            QVERIFY2(run.oneSentence(), run.said().constData());
+        }
+        QVERIFY(!QFile::exists(path("no.png")));
     }
 
     void looksFromWhereItIsTold()

@@ -120,8 +120,8 @@ void GlPointsBackend::beginDrawing(const FrameScene& scene)
         std::any_of(scene.layers.begin(), scene.layers.end(), [](const Layer& l) { return l.projection.round; });
     m_points[std::size_t(scene.filters()) + (circles ? 2 : 0)].use();
     if (circles) {
-        glUniform1i(20, size.samples);
-        glUniform2iv(21, kSampleCounts.back(), m_places.data());
+        glUniform1i(31, size.samples);
+        glUniform2iv(32, kSampleCounts.back(), m_places.data());
     }
     glUniform2f(8, float(size.width), float(size.height));
     glUniform1f(9, m_margin);

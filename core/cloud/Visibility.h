@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/cloud/PointCloud.h"
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace punctum
+{
+
+class Progress;
+namespace expression
+{
+class Condition;
+}
+
+/// Half of space, in `world`: the points p with dot(normal, p) >= distance. The normal need not have length 1.
+struct ClipPlane {
+    glm::dvec3 normal{0, 0, 1};
+    double distance = 0;
+    friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
+};
+
+/// The part of space that a view shows: what lies in the box, faces included, and on the kept side of all planes.
+struct Clip {
+    std::optional<WorldBounds> box;
+    std::vector<ClipPlane> planes;
+
+    bool any() const noexcept { return box || !planes.empty(); }
+    friend bool operator==(const Clip& a, const Clip& b) noexcept
+    {
+        return a.planes == b.planes && a.box.has_value() == b.box.has_value() &&
+               (!a.box || (a.box->min == b.box->min && a.box->max == b.box->max));
+    }
+};
+
+/// The raw integers inside a box of the world. Faces may be off by a millionth of a step of the grid, so that a
+/// number that was written in decimals means the integer that it stands for.
+RawBounds rawInside(const WorldBounds& box, const CoordinateScale& coordinates) noexcept;
+
+/// What a view hides of a cloud. Edits by hand must not touch hidden points.
+struct Visibility {
+    std::array<bool, 256> classVisible{};
+    Clip clip;
+    std::shared_ptr<const PointSet> filtered;  ///< hidden by a filter: hiddenByFilter(); null: none
+
+    Visibility() { classVisible.fill(true); }
+};
+
+/// All points that it hides, in parallel; null when it hides none. Takes cloud.mutex() shared. Throws Cancelled.
+std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility& visibility, Progress& progress);
+
+/// The points for which a filter's condition does not hold. Takes cloud.mutex() shared. Throws Cancelled.
+std::shared_ptr<PointSet> hiddenByFilter(const PointCloud& cloud, const expression::Condition& filter,
+                                         Progress& progress);
+
+}  // namespace punctum

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: MIT
+#include "ui/docks/VisibilityDock.h"
+
+#include "render/raster/Backend.h"
+#include "ui/Document.h"
+#include "ui/Text.h"
+#include "ui/ViewFilter.h"
+#include "ui/ViewSettings.h"
+#include "ui/Viewport.h"
+
+#include <QCheckBox>
+#include <QGridLayout>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QLineEdit>
+#include <QPushButton>
+#include <QSignalBlocker>
+#include <QStyle>
+#include <QVBoxLayout>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+QLabel* heading(const QString& text)
+{
+    auto* label = new QLabel(text);
+    QFont bold = label->font();
+    bold.setBold(true);
+    label->setFont(bold);
+    label->setContentsMargins(0, 8, 0, 0);
+    return label;
+}
+
+QString coordinateText(double value, bool degrees)
+{
+    return QString::number(value, 'f', degrees ? 7 : 3);
+}
+
+}  // namespace
+
+VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewport& viewport, QWidget* parent)
+    : QDockWidget(tr("Visibility"), parent),
+      m_filter(filter),
+      m_settings(settings),
+      m_viewport(viewport),
+      m_condition(new QLineEdit),
+      m_state(new QLabel),
+      m_useBox(new QCheckBox(tr("Show only what lies in the box"))),
+      m_boxOfView(new QPushButton(tr("Box of the View"))),
+      m_boxOfFile(new QPushButton(tr("Box of the File"))),
+      m_cut(new QPushButton(tr("Cut Here"))),
+      m_uncut(new QPushButton(tr("Remove Cuts")))
+{
+    setObjectName(QStringLiteral("visibility"));
+    m_condition->setPlaceholderText(tr("Intensity > 2000"));
+    m_condition->setClearButtonEnabled(true);
+    m_condition->setAccessibleName(tr("Filter"));
+    m_condition->setToolTip(
+        tr("A condition over attributes; points for which it does not hold are hidden. Press Enter."));
+    m_state->setWordWrap(true);
+    m_state->setProperty("dim", true);
+    connect(m_condition, &QLineEdit::editingFinished, this, [this] { m_filter.setText(m_condition->text()); });
+    connect(m_condition, &QLineEdit::textChanged, this, [this](const QString& text) {
+        if (text.isEmpty()) m_filter.setText({});
+    });
+    connect(&m_filter, &ViewFilter::changed, this, &VisibilityDock::takeFilter);
+
+    auto* fields = new QGridLayout;
+    fields->setHorizontalSpacing(6);
+    fields->setVerticalSpacing(6);
+    for (int axis = 0; axis < 3; ++axis) {
+        auto* name = new QLabel(QString(QChar(u'X' + axis)));
+        name->setProperty("dim", true);
+        fields->addWidget(name, axis, 0);
+        for (int side = 0; side < 2; ++side) {
+            auto*& field = m_fields[std::size_t(axis + 3 * side)];
+            field = new QLineEdit;
+            field->setMinimumWidth(60);
+            field->setAccessibleName((side == 0 ? tr("Least %1") : tr("Most %1")).arg(QChar(u'X' + axis)));
+            connect(field, &QLineEdit::editingFinished, this, &VisibilityDock::applyBox);
+            fields->addWidget(field, axis, 1 + side);
+        }
+    }
+    connect(m_useBox, &QCheckBox::toggled, this, [this](bool on) {
+        if (on && m_document && m_fields[0]->text().isEmpty()) fillBox(m_document->bounds());
+        applyBox();
+    });
+    m_boxOfView->setToolTip(tr("A box around the pivot, as large as the view is there"));
+    m_boxOfFile->setToolTip(tr("The box of the active file's points"));
+    connect(m_boxOfView, &QPushButton::clicked, this, [this] {
+        const auto box = boxOfView();
+        if (!box) return;
+        fillBox(*box);
+        m_useBox->setChecked(true);
+        applyBox();
+    });
+    connect(m_boxOfFile, &QPushButton::clicked, this, [this] {
+        if (!m_document) return;
+        fillBox(m_document->bounds());
+        applyBox();
+    });
+    m_cut->setToolTip(tr("Hides what lies before the pivot as you look now; up to six cuts"));
+    m_uncut->setToolTip(tr("Shows what the cuts hide"));
+    connect(m_cut, &QPushButton::clicked, this, &VisibilityDock::cutHere);
+    connect(m_uncut, &QPushButton::clicked, this, [this] {
+        Clip clip = m_settings.display().clip;
+        clip.planes.clear();
+        m_settings.setClip(clip);
+    });
+
+    const auto pair = [](QWidget* a, QWidget* b) {
+        auto* row = new QHBoxLayout;
+        row->setSpacing(8);
+        row->addWidget(a, 1);
+        row->addWidget(b, 1);
+        return row;
+    };
+    auto* body = new QWidget;
+    auto* column = new QVBoxLayout(body);
+    column->setContentsMargins(12, 8, 12, 8);
+    column->setSpacing(8);
+    column->addWidget(heading(tr("Filter")));
+    column->addWidget(m_condition);
+    column->addWidget(m_state);
+    column->addWidget(heading(tr("Box")));
+    column->addWidget(m_useBox);
+    column->addLayout(fields);
+    column->addLayout(pair(m_boxOfView, m_boxOfFile));
+    column->addWidget(heading(tr("Cuts")));
+    column->addLayout(pair(m_cut, m_uncut));
+    column->addStretch();
+    setWidget(body);
+    connect(&m_settings, &ViewSettings::changed, this, &VisibilityDock::takeClip);
+    setDocument(nullptr);
+    takeClip();
+}
+
+void VisibilityDock::setDocument(Document* document)
+{
+    m_document = document;
+    widget()->setEnabled(document != nullptr);
+    takeFilter();
+}
+
+void VisibilityDock::takeFilter()
+{
+    if (!m_condition->hasFocus() && m_condition->text() != m_filter.text()) m_condition->setText(m_filter.text());
+    const QString error = m_filter.error();
+    const auto hidden = m_filter.hiddenCount();
+    m_state->setText(
+        m_filter.text().isEmpty() || !m_document ? QString()
+        : !error.isEmpty()                       ? error
+        : !hidden                                ? tr("Looking for the points...")
+                  : tr("%1 of %2 points are hidden.").arg(countText(*hidden), countText(m_document->points())));
+    m_state->setVisible(!m_state->text().isEmpty());
+    if (m_condition->property("wrong").toBool() != !error.isEmpty()) {
+        m_condition->setProperty("wrong", !error.isEmpty());
+        m_condition->style()->unpolish(m_condition);
+        m_condition->style()->polish(m_condition);
+    }
+}
+
+void VisibilityDock::takeClip()
+{
+    const Clip& clip = m_settings.display().clip;
+    const QSignalBlocker quiet(m_useBox);
+    m_useBox->setChecked(clip.box.has_value());
+    if (clip.box) fillBox(*clip.box);
+    m_cut->setEnabled(clip.planes.size() < render::kMostClipPlanes);
+    m_uncut->setEnabled(!clip.planes.empty());
+}
+
+void VisibilityDock::fillBox(const WorldBounds& box)
+{
+    if (box.empty()) return;
+    const Attribute* const x = m_document ? m_document->findAttribute(QStringLiteral("X")) : nullptr;
+    const bool degrees = x && x->unit == "deg";
+    for (int axis = 0; axis < 3; ++axis)
+        for (int side = 0; side < 2; ++side) {
+            QLineEdit& field = *m_fields[std::size_t(axis + 3 * side)];
+            const QString text = coordinateText(side == 0 ? box.min[axis] : box.max[axis], degrees && axis < 2);
+            if (!field.hasFocus() && field.text() != text) field.setText(text);
+        }
+}
+
+void VisibilityDock::applyBox()
+{
+    Clip clip = m_settings.display().clip;
+    WorldBounds box;
+    bool fine = true;
+    for (int axis = 0; axis < 3; ++axis) {
+        bool low = false, high = false;
+        box.min[axis] = m_fields[std::size_t(axis)]->text().toDouble(&low);
+        box.max[axis] = m_fields[std::size_t(axis) + 3]->text().toDouble(&high);
+        fine = fine && low && high && box.min[axis] <= box.max[axis];
+    }
+    if (!m_useBox->isChecked())
+        clip.box.reset();
+    else if (fine)
+        clip.box = box;
+    m_settings.setClip(clip);
+}
+
+std::optional<WorldBounds> VisibilityDock::boxOfView() const
+{
+    if (!m_document) return std::nullopt;
+    const render::Camera& camera = m_viewport.camera();
+    const QSize size = m_viewport.pictureSize();
+    const glm::dvec3 half =
+        glm::dvec3(camera.unitsPerPixel(size.height()) * std::min(size.width(), size.height()) / 2) /
+        camera.stretch;
+    WorldBounds box{camera.pivot - half, camera.pivot + half};
+    const WorldBounds& all = m_document->bounds();
+    box.min = glm::max(box.min, all.min);
+    box.max = glm::min(box.max, all.max);
+    if (glm::any(glm::greaterThan(box.min, box.max))) return std::nullopt;
+    return box;
+}
+
+void VisibilityDock::cutHere()
+{
+    Clip clip = m_settings.display().clip;
+    const render::Camera& camera = m_viewport.camera();
+    const glm::dvec3 normal = camera.forward() * camera.stretch;
+    clip.planes.push_back({normal, glm::dot(normal, camera.pivot)});
+    m_settings.setClip(clip);
+}
+
+}  // namespace punctum::ui
