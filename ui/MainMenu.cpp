@@ -15,6 +15,7 @@
 #include "ui/docks/ProcessingDock.h"
 #include "ui/docks/PropertiesDock.h"
 #include "ui/docks/VisibilityDock.h"
+#include "ui/measure/MeasureDock.h"
 #include "ui/style/Icons.h"
 
 #include <QActionGroup>
@@ -64,6 +65,19 @@ QAction* MainMenu::add(QMenu* menu, const QString& text, const QString& icon, co
     return action;
 }
 
+void MainMenu::needsDocument(QAction* action)
+{
+    m_needDocument.push_back(action);
+    action->setEnabled(false);
+}
+
+QMenu& MainMenu::insertMenu(const QString& title)
+{
+    auto* menu = new QMenu(title, &m_window);
+    m_window.menuBar()->insertMenu(m_viewMenu->menuAction(), menu);
+    return *menu;
+}
+
 void MainMenu::makeFile()
 {
     QMenu* menu = m_window.menuBar()->addMenu(tr("&File"));
@@ -100,7 +114,7 @@ void MainMenu::makeEdit()
 
 void MainMenu::makeView()
 {
-    QMenu* menu = m_window.menuBar()->addMenu(tr("&View"));
+    QMenu* menu = m_viewMenu = m_window.menuBar()->addMenu(tr("&View"));
     Viewport& viewport = m_window.viewport();
     ViewSettings& settings = m_window.viewSettings();
 
@@ -214,7 +228,7 @@ void MainMenu::makeView()
     QMenu* panels = menu->addMenu(tr("Pa&nels"));
     for (QDockWidget* dock : std::initializer_list<QDockWidget*>{
              &m_window.attributesDock(), &m_window.classesDock(), &m_window.processingDock(),
-             &m_window.propertiesDock(), &m_window.visibilityDock(), &m_window.jobsDock()})
+             &m_window.propertiesDock(), &m_window.visibilityDock(), &m_window.measureDock(), &m_window.jobsDock()})
         panels->addAction(dock->toggleViewAction());
     QMenu* appearance = menu->addMenu(tr("App&earance"));
     m_appearances = new QActionGroup(this);

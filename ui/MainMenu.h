@@ -44,6 +44,12 @@ public:
         QString keys, what;
     };
     std::vector<Shortcut> shortcuts() const;
+    /// For parts that bring actions of their own: listed with the shortcuts, and off while nothing is open.
+    QAction* add(QMenu* menu, const QString& text, const QString& icon, const QList<QKeySequence>& keys,
+                 const QString& tip, std::function<void()> act);
+    void needsDocument(QAction* action);
+    /// A menu before View.
+    QMenu& insertMenu(const QString& title);
     QToolBar& toolBar() noexcept { return *m_toolBar; }
 
     QAction* open = nullptr;
@@ -63,8 +69,6 @@ signals:
     void recentCleared();
 
 private:
-    QAction* add(QMenu* menu, const QString& text, const QString& icon, const QList<QKeySequence>& keys,
-                 const QString& tip, std::function<void()> act);
     void makeFile();
     void makeEdit();
     void makeView();
@@ -75,6 +79,7 @@ private:
 
     MainWindow& m_window;
     QToolBar* m_toolBar = nullptr;
+    QMenu* m_viewMenu = nullptr;
     QMenu* m_recent = nullptr;
     QMenu* m_colorBy = nullptr;
     QActionGroup* m_views = nullptr;

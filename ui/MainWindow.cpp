@@ -24,6 +24,9 @@
 #include "ui/docks/ProcessingDock.h"
 #include "ui/docks/PropertiesDock.h"
 #include "ui/docks/VisibilityDock.h"
+#include "ui/measure/MeasureDock.h"
+#include "ui/measure/MeasureTools.h"
+#include "ui/measure/Measurements.h"
 #include "ui/style/Icons.h"
 
 #include <QApplication>
@@ -92,8 +95,11 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
         new Viewport(*m_renderer, *m_view,
                      options.view != ViewKind::Raster && openGlWidgetsWork(options.view == ViewKind::OpenGl));
     setCentralWidget(m_viewport);
+    m_measurements = new Measurements(*m_workspace, this);
+    m_measureTools = new MeasureTools(*m_viewport, *m_renderer, *m_workspace, *m_measurements, this);
     addDocks();
     m_menu = new MainMenu(*this);
+    addMeasureMenu(*this, *m_measureTools, *m_measurements, *m_measureDock);
 
     m_readOut = new QLabel;
     m_viewState = new QLabel;
@@ -127,6 +133,7 @@ void MainWindow::addDocks()
     m_classes = new ClassesDock(*m_view, this);
     m_processing = new ProcessingDock(*m_workspace, this);
     m_properties = new PropertiesDock(this);
+    m_measureDock = new MeasureDock(*m_measurements, this);
     m_jobs = new JobsDock(*m_workspace, this);
     m_filter = new ViewFilter(*m_workspace, *m_renderer, *m_view, this);
     m_visibility = new VisibilityDock(*m_filter, *m_view, *m_viewport, this);
@@ -136,6 +143,8 @@ void MainWindow::addDocks()
     addDockWidget(Qt::RightDockWidgetArea, m_properties);
     tabifyDockWidget(m_processing, m_properties);
     tabifyDockWidget(m_properties, m_visibility);
+    addDockWidget(Qt::RightDockWidgetArea, m_measureDock);
+    tabifyDockWidget(m_visibility, m_measureDock);
     addDockWidget(Qt::RightDockWidgetArea, m_jobs);
     m_processing->raise();
     for (QDockWidget* dock : std::initializer_list<QDockWidget*>{m_attributes, m_classes, m_jobs}) {
@@ -144,7 +153,8 @@ void MainWindow::addDocks()
         dock->setTitleBarWidget(title);
     }
     // These share a place, and their tabs say their names.
-    for (QDockWidget* dock : std::initializer_list<QDockWidget*>{m_processing, m_properties, m_visibility})
+    for (QDockWidget* dock :
+         std::initializer_list<QDockWidget*>{m_processing, m_properties, m_visibility, m_measureDock})
         dock->setTitleBarWidget(new QWidget);
     setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
     setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);

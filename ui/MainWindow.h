@@ -25,6 +25,9 @@ class ClassesDock;
 class Document;
 class JobsDock;
 class MainMenu;
+class MeasureDock;
+class MeasureTools;
+class Measurements;
 class ProcessingDock;
 class PropertiesDock;
 class ViewRenderer;
@@ -74,6 +77,9 @@ public:
     ClassesDock& classesDock() noexcept { return *m_classes; }
     ProcessingDock& processingDock() noexcept { return *m_processing; }
     PropertiesDock& propertiesDock() noexcept { return *m_properties; }
+    Measurements& measurements() noexcept { return *m_measurements; }
+    MeasureTools& measureTools() noexcept { return *m_measureTools; }
+    MeasureDock& measureDock() noexcept { return *m_measureDock; }
     JobsDock& jobsDock() noexcept { return *m_jobs; }
     VisibilityDock& visibilityDock() noexcept { return *m_visibility; }
     ViewFilter& viewFilter() noexcept { return *m_filter; }
@@ -131,6 +137,9 @@ private:
     ClassesDock* m_classes = nullptr;
     ProcessingDock* m_processing = nullptr;
     PropertiesDock* m_properties = nullptr;
+    Measurements* m_measurements = nullptr;
+    MeasureTools* m_measureTools = nullptr;
+    MeasureDock* m_measureDock = nullptr;
     JobsDock* m_jobs = nullptr;
     ViewFilter* m_filter = nullptr;
     VisibilityDock* m_visibility = nullptr;

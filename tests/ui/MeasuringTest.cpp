@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+#include "tests/ui/UiTest.h"
+#include "ui/MainMenu.h"
+#include "ui/Viewport.h"
+#include "ui/Workspace.h"
+#include "ui/measure/MeasureDock.h"
+#include "ui/measure/MeasureTools.h"
+#include "ui/measure/Measurements.h"
+
+#include <QAction>
+#include <QApplication>
+#include <QClipboard>
+#include <QFile>
+#include <QPushButton>
+#include <QTreeWidget>
+
+#include <cmath>
+
+using namespace punctum;
+using namespace punctum::ui;
+using namespace punctum::ui::test;
+
+namespace
+{
+
+constexpr const char* kAutzen = "autzen_trim.laz";
+
+/// Where the file says the point is.
+glm::dvec3 worldOf(const PointCloud& cloud, PointIndex index)
+{
+    return {cloud.findAttribute("X")->number(index), cloud.findAttribute("Y")->number(index),
+            cloud.findAttribute("Z")->number(index)};
+}
+
+}  // namespace
+
+/// Measuring with the mouse, on a real file.
+class MeasuringTest : public QObject
+{
+    Q_OBJECT
+
+private:
+    /// The file from above, drawn; null without the file.
+    static Document* openFromAbove(TestWindow& test)
+    {
+        Document* const document = test.open(dataFile(QLatin1String(kAutzen)));
+        if (document == nullptr) return nullptr;
+        test.window->viewport().setStandardView(QStringLiteral("top"));
+        QTest::qWait(400);  // the camera flies there
+        return test.settle() ? document : nullptr;
+    }
+    /// Keys of tools; shortcuts of actions need a window manager.
+    static void key(TestWindow& test, Qt::Key key) { QTest::keyClick(&test.window->viewport(), key); }
+    /// Clicks in the view, at a place told in parts of its size, and waits until the point is taken.
+    static bool click(TestWindow& test, double x, double y, Qt::MouseButton button = Qt::LeftButton)
+    {
+        Viewport& view = test.window->viewport();
+        bool taken = false;
+        const auto connection =
+            QObject::connect(&test.window->measureTools(), &MeasureTools::pointTaken, [&] { taken = true; });
+        QTest::mouseClick(&view, button, {}, QPoint(int(view.width() * x), int(view.height() * y)));
+        const bool good = button != Qt::LeftButton || waitFor([&] { return taken; }, 20000);
+        QObject::disconnect(connection);
+        return good;
+    }
+    static QAction* tool(TestWindow& test, MeasureKind kind)
+    {
+        for (QAction* action : test.window->actions())
+            if (action->isCheckable() && action->toolTip().startsWith(QStringLiteral("Click")) &&
+                action->data().toInt() == int(kind))
+                return action;
+        return nullptr;
+    }
+
+private slots:
+    void measuresWhatIsClicked()
+    {
+        if (dataFile(QLatin1String(kAutzen)).isEmpty()) QSKIP("autzen_trim.laz is not here.");
+        TestWindow test;
+        Document* document = openFromAbove(test);
+        QVERIFY(document);
+        Measurements& all = test.window->measurements();
+        const glm::dvec2 places[] = {{0.2, 0.55}, {0.35, 0.58}, {0.4, 0.65}, {0.25, 0.64}};
+        for (const MeasureKind kind : {MeasureKind::Distance, MeasureKind::Height, MeasureKind::Angle,
+                                       MeasureKind::Area, MeasureKind::Box}) {
+            tool(test, kind)->trigger();
+            QCOMPARE(test.window->measureTools().tool(), std::optional(kind));
+            const std::size_t before = all.entries().size(), needed = pointsOf(kind);
+            const std::size_t corners = needed == 0 ? 4 : needed;
+            for (std::size_t k = 0; k < corners; ++k) QVERIFY(click(test, places[k].x, places[k].y));
+            if (needed == 0) key(test, Qt::Key_Return);
+            QCOMPARE(all.entries().size(), before + 1);
+            const Measurement& m = all.entries().back().measurement;
+            QCOMPARE(m.points.size(), corners);
+            const Viewport& view = test.window->viewport();
+            for (std::size_t k = 0; k < corners; ++k) {
+                // the point is where the mouse was, and its place is the file's
+                const glm::dvec3 world = worldOf(*document->cloud(), m.points[k].index);
+                QVERIFY(glm::length(world - m.points[k].world) < 1e-6);
+                const glm::dvec3 px = view.camera().project(world, {double(view.width()), double(view.height())});
+                QVERIFY(std::hypot(px.x - view.width() * places[k].x, px.y - view.height() * places[k].y) < 8);
+            }
+            const auto quantities = quantitiesOf(kind, m.points, glm::dvec3(1));
+            QCOMPARE(quantities.size(), m.quantities.size());
+            for (std::size_t k = 0; k < quantities.size(); ++k)
+                QCOMPARE(m.quantities[k].value, quantities[k].value);
+            QVERIFY(test.window->measureTools().tool() == kind);  // ready for the next one
+        }
+        QTreeWidget& list = test.window->measureDock().list();
+        QCOMPARE(list.topLevelItemCount(), 5);
+        QVERIFY(list.topLevelItem(0)->text(0).contains(QStringLiteral("Distance")));
+        QVERIFY(list.topLevelItem(0)->text(1).contains(QStringLiteral(" ft")) ||
+                list.topLevelItem(0)->text(1).contains(QStringLiteral(" m")));
+
+        // a file for spreadsheets
+        const QString csv = test.folder.filePath(QStringLiteral("all.csv"));
+        all.exportTo(csv);
+        QVERIFY(waitFor([&] { return QFile::exists(csv) && !test.window->workspace().busy(); }));
+        QFile file(csv);
+        QVERIFY(file.open(QIODevice::ReadOnly));
+        QVERIFY(file.readAll().contains("5,box,autzen_trim.laz,Volume,"));
+        // they go with the file
+        test.window->workspace().close(*document);
+        QVERIFY(all.entries().empty());
+        QCOMPARE(list.topLevelItemCount(), 0);
+    }
+
+    void inspectsAPoint()
+    {
+        if (dataFile(QLatin1String(kAutzen)).isEmpty()) QSKIP("autzen_trim.laz is not here.");
+        TestWindow test;
+        Document* document = openFromAbove(test);
+        QVERIFY(document);
+        tool(test, MeasureKind::Point)->trigger();
+        QCOMPARE(test.window->measureTools().tool(), std::optional(MeasureKind::Point));
+        QVERIFY(click(test, 0.3, 0.6));
+        Measurements& all = test.window->measurements();
+        QCOMPARE(all.entries().size(), std::size_t(1));
+        QVERIFY(waitFor([&] { return !all.entries().front().nearest.empty(); }));
+        const Measurements::Entry& entry = all.entries().front();
+        const PointIndex index = entry.measurement.points.front().index;
+        // every attribute, exactly
+        std::size_t checked = 0;
+        for (const Attribute& a : document->cloud()->attributes()) {
+            if (a.components != 1 || a.kind == AttributeKind::Class) continue;
+            const auto found = std::find_if(entry.attributes.begin(), entry.attributes.end(),
+                                            [&](const auto& row) { return row.first.toStdString() == a.name; });
+            QVERIFY2(found != entry.attributes.end(), a.name.c_str());
+            QCOMPARE(found->second.toStdString(), toText(a.value(index)));
+            ++checked;
+        }
+        QVERIFY(checked > 12);
+        // the nearest of all points
+        double least = INFINITY;
+        const glm::dvec3 here = worldOf(*document->cloud(), index);
+        for (PointIndex i = 0; i < document->points(); ++i)
+            if (i != index) least = std::min(least, glm::distance(worldOf(*document->cloud(), i), here));
+        QVERIFY(std::abs(entry.nearest.front().distance - least) < 1e-6);
+
+        test.window->measureDock().copyButton().click();
+        const QString copied = QApplication::clipboard()->text();
+        QVERIFY(copied.contains(QStringLiteral("Intensity\t")));
+        QVERIFY(copied.contains(QStringLiteral("Index\t%1").arg(index)));
+        QTest::mouseClick(&test.window->measureDock().removeButton(), Qt::LeftButton);
+        QVERIFY(all.entries().empty());
+    }
+
+    void keysTakeBack()
+    {
+        if (dataFile(QLatin1String(kAutzen)).isEmpty()) QSKIP("autzen_trim.laz is not here.");
+        TestWindow test;
+        QVERIFY(openFromAbove(test));
+        MeasureTools& tools = test.window->measureTools();
+        tool(test, MeasureKind::Area)->trigger();
+        QVERIFY(click(test, 0.2, 0.55));
+        QVERIFY(click(test, 0.3, 0.55));
+        key(test, Qt::Key_Backspace);
+        QCOMPARE(tools.pointsTaken(), std::size_t(1));
+        // a drag moves the camera and takes nothing
+        const render::Camera before = test.window->viewport().camera();
+        Viewport& view = test.window->viewport();
+        dragWithMouse(view, view.rect().center(), view, view.rect().center() + QPoint(40, 20));
+        QVERIFY(!(view.camera() == before));
+        QVERIFY(test.settle());
+        QCOMPARE(tools.pointsTaken(), std::size_t(1));
+        // too few corners are no area
+        key(test, Qt::Key_Return);
+        QVERIFY(test.window->measurements().entries().empty());
+        QVERIFY(click(test, 0.3, 0.6));
+        key(test, Qt::Key_Escape);
+        QCOMPARE(tools.pointsTaken(), std::size_t(0));
+        QVERIFY(tools.tool());
+        key(test, Qt::Key_Escape);
+        QVERIFY(!tools.tool());
+        QVERIFY(!tool(test, MeasureKind::Area)->isChecked());
+        // three corners and the right button are one
+        tool(test, MeasureKind::Area)->trigger();
+        for (const glm::dvec2 at : {glm::dvec2(0.25, 0.58), glm::dvec2(0.35, 0.58), glm::dvec2(0.3, 0.64)})
+            QVERIFY(click(test, at.x, at.y));
+        QVERIFY(!tools.overlay().unfinishedText().isEmpty());
+        click(test, 0.5, 0.5, Qt::RightButton);
+        QCOMPARE(test.window->measurements().entries().size(), std::size_t(1));
+    }
+};
+
+int main(int argc, char** argv)
+{
+    return runUiTest(argc, argv, [] { return std::make_unique<MeasuringTest>(); });
+}
+
+#include "MeasuringTest.moc"

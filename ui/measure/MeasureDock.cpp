@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+#include "ui/measure/MeasureDock.h"
+
+#include "ui/MainMenu.h"
+#include "ui/MainWindow.h"
+#include "ui/Text.h"
+#include "ui/Viewport.h"
+#include "ui/measure/MeasureTools.h"
+#include "ui/measure/Measurements.h"
+#include "ui/style/Icons.h"
+
+#include <QActionGroup>
+#include <QApplication>
+#include <QClipboard>
+#include <QFileDialog>
+#include <QHBoxLayout>
+#include <QHeaderView>
+#include <QLabel>
+#include <QMenu>
+#include <QPushButton>
+#include <QToolBar>
+#include <QToolButton>
+#include <QTreeWidget>
+#include <QVBoxLayout>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+constexpr int kIdRole = Qt::UserRole;
+
+}  // namespace
+
+MeasureDock::MeasureDock(Measurements& measurements, QWidget* parent)
+    : QDockWidget(tr("Measurements"), parent),
+      m_measurements(measurements),
+      m_list(new QTreeWidget),
+      m_hint(new QLabel(tr("Choose a tool of the menu Measure, then click points in the view."))),
+      m_copy(new QPushButton(tr("Copy"))),
+      m_export(new QPushButton(tr("Export CSV..."))),
+      m_remove(new QPushButton(tr("Remove")))
+{
+    setObjectName(QStringLiteral("measurements"));
+    m_list->setColumnCount(2);
+    m_list->setHeaderHidden(true);
+    m_list->setStyleSheet(QStringLiteral("QTreeWidget::item { padding: 2px 0; }"));
+    m_list->setSelectionMode(QAbstractItemView::SingleSelection);
+    m_list->header()->setSectionResizeMode(0, QHeaderView::ResizeToContents);
+    m_list->header()->setStretchLastSection(true);
+    m_list->setAccessibleName(tr("Measurements"));
+    m_hint->setProperty("dim", true);
+    m_hint->setWordWrap(true);
+    m_copy->setToolTip(tr("Copy the chosen measurement as text, or all of them when none is chosen"));
+    m_export->setToolTip(tr("Write all measurements to a file for spreadsheets"));
+    m_remove->setToolTip(tr("Remove the chosen measurement, or all of them when none is chosen"));
+
+    connect(m_copy, &QPushButton::clicked, this,
+            [this] { QApplication::clipboard()->setText(m_measurements.text(chosen())); });
+    connect(m_remove, &QPushButton::clicked, this, [this] {
+        if (const quint64 id = chosen(); id != 0)
+            m_measurements.remove(id);
+        else
+            m_measurements.clear();
+    });
+    connect(m_export, &QPushButton::clicked, this, &MeasureDock::exportWanted);
+    connect(&m_measurements, &Measurements::changed, this, &MeasureDock::fill);
+    connect(&m_measurements, &Measurements::added, this, [this](quint64 id) {
+        for (int k = 0; k < m_list->topLevelItemCount(); ++k) {
+            QTreeWidgetItem* const item = m_list->topLevelItem(k);
+            if (item->data(0, kIdRole).toULongLong() != id) continue;
+            m_list->setCurrentItem(item);
+            item->setExpanded(true);
+            m_list->scrollToItem(item, QAbstractItemView::PositionAtTop);
+        }
+        show();
+        raise();
+    });
+
+    auto* content = new QWidget;
+    auto* buttons = new QHBoxLayout;
+    buttons->addWidget(m_copy);
+    buttons->addWidget(m_export);
+    buttons->addStretch(1);
+    buttons->addWidget(m_remove);
+    auto* column = new QVBoxLayout(content);
+    column->setContentsMargins(10, 8, 10, 8);
+    column->setSpacing(8);
+    column->addWidget(m_hint);
+    column->addWidget(m_list, 1);
+    column->addLayout(buttons);
+    setWidget(content);
+    fill();
+}
+
+quint64 MeasureDock::chosen() const
+{
+    const QTreeWidgetItem* item = m_list->currentItem();
+    while (item != nullptr && item->parent() != nullptr) item = item->parent();
+    return item == nullptr ? 0 : item->data(0, kIdRole).toULongLong();
+}
+
+void MeasureDock::fill()
+{
+    const quint64 before = chosen();
+    QList<quint64> closed;
+    for (int k = 0; k < m_list->topLevelItemCount(); ++k)
+        if (!m_list->topLevelItem(k)->isExpanded())
+            closed << m_list->topLevelItem(k)->data(0, kIdRole).toULongLong();
+    m_list->clear();
+    int number = 0;
+    for (const Measurements::Entry& entry : m_measurements.entries()) {
+        const Measurement& m = entry.measurement;
+        const bool point = m.kind == MeasureKind::Point;
+        const QString title = QStringLiteral("%1  %2").arg(++number).arg(kindText(m.kind));
+        const QString value =
+            point ? QString::number(m.points.front().index) : quantityText(m.quantities.front(), m.length);
+        auto* item = new QTreeWidgetItem(m_list, {title, value});
+        item->setData(0, kIdRole, entry.id);
+        item->setToolTip(0, toQString(m.file));
+        const auto row = [&](const QString& name, const QString& text) {
+            auto* child = new QTreeWidgetItem(item, {name, text});
+            child->setToolTip(1, text);
+        };
+        if (!point)
+            for (std::size_t k = 1; k < m.quantities.size(); ++k)
+                row(toQString(m.quantities[k].name), quantityText(m.quantities[k], m.length));
+        for (const auto& [name, text] : entry.attributes) row(name, text);
+        for (const NearPoint& n : entry.nearest)
+            row(tr("Neighbor %1").arg(n.index), quantityText({"", n.distance}, m.length));
+        item->setExpanded(!closed.contains(entry.id));
+        if (entry.id == before) m_list->setCurrentItem(item);
+    }
+    const bool some = number != 0;
+    m_hint->setVisible(!some);
+    for (QPushButton* button : {m_copy, m_export, m_remove}) button->setEnabled(some);
+}
+
+void addMeasureMenu(MainWindow& window, MeasureTools& tools, Measurements& measurements, MeasureDock& dock)
+{
+    MainMenu& menu = window.menu();
+    QMenu& measure = menu.insertMenu(MeasureDock::tr("&Measure"));
+    auto* group = new QActionGroup(&window);
+    group->setExclusionPolicy(QActionGroup::ExclusionPolicy::ExclusiveOptional);
+    const auto addTool = [&](MeasureKind kind, const QString& text, const QList<QKeySequence>& keys,
+                             const QString& tip) {
+        QAction* const action = menu.add(&measure, text, {}, keys, tip, [] {});
+        action->setCheckable(true);
+        action->setData(int(kind));
+        group->addAction(action);
+        menu.needsDocument(action);
+        QObject::connect(action, &QAction::toggled, &tools, [&tools, &window, kind](bool on) {
+            if (on)
+                tools.setTool(kind);
+            else if (tools.tool() == kind)
+                tools.setTool({});
+            window.viewport().setFocus();
+        });
+    };
+    using Kind = MeasureKind;
+    addTool(Kind::Point, MeasureDock::tr("&Inspect Point"), {QKeySequence(Qt::Key_I)},
+            MeasureDock::tr("Click a point to see all that it holds"));
+    addTool(Kind::Distance, MeasureDock::tr("&Distance"), {QKeySequence(Qt::Key_D)},
+            MeasureDock::tr("Click two points to measure how far they are apart"));
+    addTool(Kind::Height, MeasureDock::tr("&Height"), {QKeySequence(Qt::Key_H)},
+            MeasureDock::tr("Click two points to measure how much the second is above the first"));
+    addTool(Kind::Angle, MeasureDock::tr("&Angle"), {},
+            MeasureDock::tr("Click three points to measure the angle at the second"));
+    addTool(Kind::Area, MeasureDock::tr("A&rea"), {},
+            MeasureDock::tr("Click the corners of an area; Enter or the right button closes it"));
+    addTool(Kind::Box, MeasureDock::tr("&Box"), {},
+            MeasureDock::tr("Click two opposite corners to measure the box between them"));
+    QObject::connect(&tools, &MeasureTools::toolChanged, group, [group, &tools] {
+        for (QAction* action : group->actions())
+            action->setChecked(tools.tool() && int(*tools.tool()) == action->data().toInt());
+    });
+    measure.addSeparator();
+    const auto exportCsv = [&window, &measurements, &dock] {
+        const QString path = QFileDialog::getSaveFileName(&window, MeasureDock::tr("Export Measurements"),
+                                                          QStringLiteral("measurements.csv"),
+                                                          MeasureDock::tr("Comma-separated values (*.csv)"));
+        if (!path.isEmpty()) measurements.exportTo(path);
+        dock.raise();
+    };
+    QObject::connect(&dock, &MeasureDock::exportWanted, &window, exportCsv);
+    menu.needsDocument(menu.add(&measure, MeasureDock::tr("&Export CSV..."), {}, {}, {}, exportCsv));
+    menu.needsDocument(
+        menu.add(&measure, MeasureDock::tr("Remove A&ll"), {}, {}, {}, [&measurements] { measurements.clear(); }));
+
+    auto* button = new QToolButton;
+    button->setIcon(lineIcon(QStringLiteral("measure")));
+    button->setMenu(&measure);
+    button->setPopupMode(QToolButton::InstantPopup);
+    button->setToolTip(MeasureDock::tr("Inspect points and measure"));
+    button->setAccessibleName(MeasureDock::tr("Measure"));
+    menu.toolBar().addWidget(button);
+}
+
+}  // namespace punctum::ui

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <QDockWidget>
+
+class QLabel;
+class QPushButton;
+class QTreeWidget;
+
+namespace punctum::ui
+{
+
+class MainWindow;
+class Measurements;
+class MeasureTools;
+
+/// The list of measurements: each with its values, a point with all its attributes and its neighbors. GUI thread
+/// only.
+class MeasureDock final : public QDockWidget
+{
+    Q_OBJECT
+public:
+    explicit MeasureDock(Measurements& measurements, QWidget* parent = nullptr);
+
+    QTreeWidget& list() noexcept { return *m_list; }
+    QPushButton& copyButton() noexcept { return *m_copy; }
+    QPushButton& exportButton() noexcept { return *m_export; }
+    QPushButton& removeButton() noexcept { return *m_remove; }
+
+signals:
+    /// A place to write to is to be chosen.
+    void exportWanted();
+
+private:
+    void fill();
+    quint64 chosen() const;
+
+    Measurements& m_measurements;
+    QTreeWidget* m_list;
+    QLabel* m_hint;
+    QPushButton* m_copy;
+    QPushButton* m_export;
+    QPushButton* m_remove;
+};
+
+/// Adds the menu Measure to the window, and its button to the tool bar.
+void addMeasureMenu(MainWindow& window, MeasureTools& tools, Measurements& measurements, MeasureDock& dock);
+
+}  // namespace punctum::ui

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: MIT
+#include "ui/measure/MeasureTools.h"
+
+#include "ui/Document.h"
+#include "ui/ViewRenderer.h"
+#include "ui/Viewport.h"
+#include "ui/Workspace.h"
+#include "ui/measure/Measurements.h"
+#include "ui/style/Theme.h"
+
+#include <QKeyEvent>
+#include <QMouseEvent>
+#include <QPainter>
+#include <QPainterPath>
+
+#include <array>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+constexpr double kTremble = 3.0;  ///< px: less than this is a click
+constexpr double kDot = 4.0;      ///< px, radius of a point's mark
+const QColor kLine(255, 209, 92);
+const QColor kUnfinishedLine(255, 255, 255);
+const QColor kPlate(12, 14, 16, 215);
+const QColor kPlateText(240, 242, 245);
+
+/// The edges of the box between two opposite corners, as pairs of its eight corners; bit k: the second on axis k.
+constexpr std::array<std::array<int, 2>, 12> kEdges{
+    {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
+
+}  // namespace
+
+// -- overlay
+
+MeasureOverlay::MeasureOverlay(Viewport& viewport, const Measurements& measurements)
+    : QWidget(&viewport), m_viewport(viewport), m_measurements(measurements)
+{
+    setAttribute(Qt::WA_TransparentForMouseEvents);
+    setAttribute(Qt::WA_NoSystemBackground);
+    connect(&viewport, &Viewport::frameShown, this, qOverload<>(&QWidget::update));
+    connect(&viewport, &Viewport::cameraChanged, this, qOverload<>(&QWidget::update));
+    connect(&measurements, &Measurements::changed, this, qOverload<>(&QWidget::update));
+}
+
+void MeasureOverlay::setUnfinished(std::optional<Measurement> measurement)
+{
+    m_unfinished = std::move(measurement);
+    update();
+}
+
+QString MeasureOverlay::unfinishedText() const
+{
+    if (!m_unfinished || m_unfinished->quantities.empty()) return {};
+    return quantityText(m_unfinished->quantities.front(), m_unfinished->length);
+}
+
+std::optional<QPointF> MeasureOverlay::place(const glm::dvec3& world) const
+{
+    const glm::dvec3 px =
+        m_viewport.camera().project(world, {double(std::max(1, width())), double(std::max(1, height()))});
+    if (!(px.z > 0.0)) return {};
+    return QPointF(px.x, px.y);
+}
+
+void MeasureOverlay::paintEvent(QPaintEvent*)
+{
+    QPainter painter(this);
+    painter.setRenderHint(QPainter::Antialiasing);
+    for (const Measurements::Entry& entry : m_measurements.entries()) paint(painter, entry.measurement, false);
+    if (m_unfinished) paint(painter, *m_unfinished, true);
+}
+
+void MeasureOverlay::paint(QPainter& painter, const Measurement& m, bool unfinished) const
+{
+    const auto& points = m.points;
+    const auto line = [&](const glm::dvec3& a, const glm::dvec3& b) {
+        const auto from = place(a), to = place(b);
+        if (from && to) painter.drawLine(*from, *to);
+    };
+    for (const bool shadow : {true, false}) {
+        painter.setPen(
+            shadow ? QPen(QColor(0, 0, 0, 150), 4.0)
+                   : QPen(unfinished ? kUnfinishedLine : kLine, 1.8, unfinished ? Qt::DashLine : Qt::SolidLine));
+        if (m.kind == MeasureKind::Box && points.size() == 2) {
+            const auto corner = [&](int bits) {
+                glm::dvec3 at = points[0].world;
+                for (int axis = 0; axis < 3; ++axis)
+                    if ((bits >> axis & 1) != 0) at[axis] = points[1].world[axis];
+                return at;
+            };
+            for (const auto& [a, b] : kEdges) line(corner(a), corner(b));
+        } else if (m.kind == MeasureKind::Height && points.size() == 2) {
+            const glm::dvec3 knee(points[1].world.x, points[1].world.y, points[0].world.z);
+            line(points[0].world, knee);
+            line(knee, points[1].world);
+        } else {
+            for (std::size_t k = 1; k < points.size(); ++k) line(points[k - 1].world, points[k].world);
+            if (m.kind == MeasureKind::Area && points.size() > 2) line(points.back().world, points.front().world);
+        }
+    }
+    glm::dvec3 middle(0.0);
+    for (const MeasuredPoint& p : points) {
+        middle += p.world / double(points.size());
+        const auto at = place(p.world);
+        if (!at) continue;
+        painter.setPen(QPen(QColor(0, 0, 0, 170), 1.5));
+        painter.setBrush(unfinished ? kUnfinishedLine : kLine);
+        painter.drawEllipse(*at, kDot, kDot);
+    }
+    if (m.quantities.empty()) return;
+    if (m.kind == MeasureKind::Angle) middle = points[1].world;
+    const auto at = place(middle);
+    if (!at) return;
+    const QString text = m.kind == MeasureKind::Point ? Measurements::tr("Point %1").arg(points.front().index)
+                                                      : quantityText(m.quantities.front(), m.length);
+    const QFontMetricsF metrics(painter.font());
+    QRectF plate(0, 0, metrics.horizontalAdvance(text) + 14, metrics.height() + 6);
+    plate.moveCenter(*at - QPointF(0, plate.height() / 2 + kDot + 6));
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(kPlate);
+    painter.drawRoundedRect(plate, 5, 5);
+    painter.setPen(kPlateText);
+    painter.drawText(plate, Qt::AlignCenter, text);
+}
+
+// -- tools
+
+MeasureTools::MeasureTools(Viewport& viewport, ViewRenderer& renderer, Workspace& workspace,
+                           Measurements& measurements, QObject* parent)
+    : QObject(parent),
+      m_viewport(viewport),
+      m_renderer(renderer),
+      m_workspace(workspace),
+      m_measurements(measurements),
+      m_overlay(new MeasureOverlay(viewport, measurements))
+{
+    viewport.installEventFilter(this);
+    m_overlay->setGeometry(viewport.rect());
+    connect(&viewport, &Viewport::hovered, this, &MeasureTools::follow);
+    connect(&workspace, &Workspace::documentRemoved, this, [this](Document* document) {
+        if (document == m_document) giveUp();
+    });
+}
+
+void MeasureTools::setTool(std::optional<MeasureKind> tool)
+{
+    if (tool == m_tool) return;
+    m_tool = tool;
+    giveUp();
+    if (tool)
+        m_viewport.setCursor(Qt::CrossCursor);
+    else
+        m_viewport.unsetCursor();
+    emit toolChanged();
+}
+
+void MeasureTools::giveUp()
+{
+    m_points.clear();
+    m_document.clear();
+    m_press.reset();
+    m_overlay->setUnfinished({});
+}
+
+bool MeasureTools::eventFilter(QObject*, QEvent* event)
+{
+    if (event->type() == QEvent::Resize) {
+        m_overlay->setGeometry(m_viewport.rect());
+        return false;
+    }
+    if (!m_tool) return false;
+    switch (event->type()) {
+        case QEvent::MouseButtonPress:
+            return pressed(*static_cast<QMouseEvent*>(event));
+        case QEvent::MouseButtonRelease:
+            return released(*static_cast<QMouseEvent*>(event));
+        case QEvent::MouseButtonDblClick:  // its first click took a point; the camera stays where it is
+            if (m_tool == MeasureKind::Area) finish();
+            return true;
+        case QEvent::ShortcutOverride:
+            if (const int key = static_cast<QKeyEvent*>(event)->key();
+                key == Qt::Key_Escape || key == Qt::Key_Backspace || key == Qt::Key_Return || key == Qt::Key_Enter)
+                event->accept();
+            return false;
+        case QEvent::KeyPress:
+            return keyPressed(*static_cast<QKeyEvent*>(event));
+        default:
+            return false;
+    }
+}
+
+/// The viewport gets presses too: what becomes a drag moves the camera.
+bool MeasureTools::pressed(const QMouseEvent& event)
+{
+    m_press.reset();
+    if (event.button() == Qt::LeftButton || event.button() == Qt::RightButton) m_press = event.position();
+    return false;
+}
+
+bool MeasureTools::released(const QMouseEvent& event)
+{
+    const auto press = std::exchange(m_press, std::nullopt);
+    const bool click = press && QLineF(*press, event.position()).length() < kTremble;
+    if (click && event.button() == Qt::LeftButton) pick(event.position());
+    if (click && event.button() == Qt::RightButton && m_tool == MeasureKind::Area) finish();
+    // after the viewport, which takes the cursor back
+    QMetaObject::invokeMethod(
+        this,
+        [this] {
+            if (m_tool) m_viewport.setCursor(Qt::CrossCursor);
+        },
+        Qt::QueuedConnection);
+    return false;
+}
+
+bool MeasureTools::keyPressed(const QKeyEvent& event)
+{
+    switch (event.key()) {
+        case Qt::Key_Escape:
+            if (m_points.empty())
+                setTool({});
+            else
+                giveUp();
+            return true;
+        case Qt::Key_Backspace:
+            if (!m_points.empty()) m_points.pop_back();
+            m_overlay->setUnfinished({});
+            return true;
+        case Qt::Key_Return:
+        case Qt::Key_Enter:
+            if (m_tool == MeasureKind::Area) finish();
+            return true;
+        default:
+            return false;
+    }
+}
+
+void MeasureTools::pick(QPointF at)
+{
+    const double ratio = double(m_viewport.pictureSize().width()) / std::max(1, m_viewport.width());
+    m_renderer.pick(int(at.x() * ratio), int(at.y() * ratio), this,
+                    [this](const std::optional<PickedPoint>& point) {
+                        if (point && m_tool) take(*point);
+                    });
+}
+
+void MeasureTools::take(const PickedPoint& point)
+{
+    Document* const document = m_workspace.find(point.cloud.get());
+    if (document == nullptr) return;
+    if (m_points.empty()) m_document = document;
+    m_points.push_back({point.index, point.world});
+    if (m_points.size() == pointsOf(*m_tool))
+        finish();
+    else
+        m_overlay->setUnfinished(Measurements::measure(*m_document, *m_tool, m_points));
+    emit pointTaken();
+}
+
+void MeasureTools::follow(const std::optional<PickedPoint>& point)
+{
+    if (!m_tool || !m_document || m_points.empty()) return;
+    std::vector<MeasuredPoint> points = m_points;
+    if (point) points.push_back({point->index, point->world});
+    m_overlay->setUnfinished(Measurements::measure(*m_document, *m_tool, std::move(points)));
+}
+
+void MeasureTools::finish()
+{
+    if (m_document && !m_points.empty()) m_measurements.add(*m_document, *m_tool, std::move(m_points));
+    giveUp();
+}
+
+}  // namespace punctum::ui

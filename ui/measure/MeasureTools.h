@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/measure/Measurement.h"
+#include "render/camera/Camera.h"
+
+#include <QObject>
+#include <QPointF>
+#include <QPointer>
+#include <QWidget>
+
+#include <optional>
+#include <vector>
+
+class QKeyEvent;
+class QMouseEvent;
+
+namespace punctum::ui
+{
+
+class Document;
+class Measurements;
+class ViewRenderer;
+class Viewport;
+class Workspace;
+struct PickedPoint;
+
+/// Measurements over the picture: their points, lines and values, which stay with the points as the camera moves.
+/// Lets the mouse through. GUI thread only.
+class MeasureOverlay final : public QWidget
+{
+    Q_OBJECT
+public:
+    MeasureOverlay(Viewport& viewport, const Measurements& measurements);
+
+    /// One that is being made, with the point under the mouse as its last; too few points: no value yet.
+    void setUnfinished(std::optional<Measurement> measurement);
+    /// The value shown at the unfinished one; empty while there is none.
+    QString unfinishedText() const;
+
+protected:
+    void paintEvent(QPaintEvent* event) override;
+
+private:
+    void paint(QPainter& painter, const Measurement& measurement, bool unfinished) const;
+    std::optional<QPointF> place(const glm::dvec3& world) const;
+
+    Viewport& m_viewport;
+    const Measurements& m_measurements;
+    std::optional<Measurement> m_unfinished;
+};
+
+/// Clicking points to measure. A click takes the point under the mouse; drags go on moving the camera. Backspace
+/// takes the last point back, Enter, the right button or a double click closes an area, Escape gives up the points,
+/// then the tool.
+///
+/// GUI thread only. Borrows all it is given, which must outlive it.
+class MeasureTools final : public QObject
+{
+    Q_OBJECT
+public:
+    MeasureTools(Viewport& viewport, ViewRenderer& renderer, Workspace& workspace, Measurements& measurements,
+                 QObject* parent = nullptr);
+
+    std::optional<MeasureKind> tool() const noexcept { return m_tool; }
+    void setTool(std::optional<MeasureKind> tool);
+    /// Points clicked and not yet part of a finished measurement.
+    std::size_t pointsTaken() const noexcept { return m_points.size(); }
+    const MeasureOverlay& overlay() const noexcept { return *m_overlay; }
+
+    bool eventFilter(QObject* watched, QEvent* event) override;
+
+signals:
+    void toolChanged();
+    void pointTaken();
+
+private:
+    bool pressed(const QMouseEvent& event);
+    bool released(const QMouseEvent& event);
+    bool keyPressed(const QKeyEvent& event);
+    void pick(QPointF at);
+    void take(const PickedPoint& point);
+    void follow(const std::optional<PickedPoint>& point);
+    void finish();
+    void giveUp();
+
+    Viewport& m_viewport;
+    ViewRenderer& m_renderer;
+    Workspace& m_workspace;
+    Measurements& m_measurements;
+    MeasureOverlay* m_overlay;
+    std::optional<MeasureKind> m_tool;
+    QPointer<Document> m_document;  ///< that the points are of
+    std::vector<MeasuredPoint> m_points;
+    std::optional<QPointF> m_press;  ///< where a click has begun
+};
+
+}  // namespace punctum::ui
