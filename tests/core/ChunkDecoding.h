@@ -72,6 +72,39 @@ inline std::size_t forEachRealChunk(
     return chunks;
 }
 
+/// Our decoder against LASzip on real chunks; `ends`: LASzip tells where a chunk ends as well.
+inline void compareRealChunks(const std::function<bool(const LazInfo&)>& supported, bool ends)
+{
+    if (!std::filesystem::is_directory(PUNCTUM_TEST_DATA)) QSKIP("The folder of real files is not here.");
+    const std::size_t chunks = forEachRealChunk(
+        supported,
+        [&](const std::filesystem::path& path, const LazInfo& info, const Chunk& chunk, const Bytes& data) {
+            const Decoded ours = decode(info, data, chunk.count, PointDecoder::Codec::Fastest);
+            const Decoded theirs = decode(info, data, chunk.count, PointDecoder::Codec::Laszip);
+            QVERIFY2(ours.records == theirs.records, path.c_str());
+            QCOMPARE(ours.position, chunk.bytes);
+            if (ends) QCOMPARE(theirs.position, chunk.bytes);
+        });
+    qInfo("%zu chunks of real files", chunks);
+    QVERIFY(chunks > 0);
+}
+
+/// Decodes our own chunk, and once more from a decoder that has another chunk behind it.
+inline void checkMadeChunk(const LazInfo& info, const Bytes& records, const Bytes& chunk)
+{
+    const std::size_t count = records.size() / info.recordLength;
+    const Decoded ours = decode(info, chunk, count, PointDecoder::Codec::Fastest);
+    QVERIFY(ours.records == records);
+    QCOMPARE(ours.position, std::uint64_t(chunk.size()));
+    PointDecoder again(info, chunk, count);
+    Bytes into(records.size());
+    QCOMPARE(again.decode(count / 2, into.data()), count / 2);
+    again.restart(chunk);
+    QCOMPARE(again.decode(count, into.data()), count);
+    QVERIFY(into == records);
+    QCOMPARE(again.position(), std::uint64_t(chunk.size()));
+}
+
 /// One of four kinds of damage: a bit, a run of garbage, an end of one value, an end cut off.
 inline Bytes damaged(const Bytes& sound, unsigned kind, std::mt19937& random)
 {

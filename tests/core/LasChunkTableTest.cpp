@@ -6,6 +6,7 @@
 #include "core/las/SourceParser.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
+#include "tests/core/ReadRecords.h"
 
 #include <QTemporaryDir>
 #include <QTest>
@@ -13,6 +14,7 @@
 using namespace punctum;
 using namespace punctum::las;
 using lasfiles::Bytes;
+using lasfiles::recordsByUs;
 namespace fs = std::filesystem;
 
 /// The table of compressed chunks: the same bytes as LASzip's, and rebuilt when it is lost.
@@ -42,18 +44,6 @@ private:
         return path;
     }
     static std::size_t pointOffset(const Bytes& file) { return lasfiles::get<std::uint32_t>(file, 96); }
-    static Bytes records(const fs::path& path)
-    {
-        const auto reader = Reader::open(path);
-        const std::size_t length = reader->source()->layout.length;
-        Bytes all(std::size_t(reader->source()->pointCount) * length);
-        Progress progress;
-        const auto result = reader->visitRecords(progress, [&](PointRange r, std::span<const std::byte> bytes) {
-            std::memcpy(all.data() + r.first * length, bytes.data(), bytes.size());
-        });
-        if (!result.missing.empty()) throw std::runtime_error("points are missing: " + result.warnings.front());
-        return all;
-    }
     /// The same chunks with a table of variable chunks, and chunk size 0 or 2^32-1 in the laszip record.
     static Bytes withVariableChunks(std::uint8_t format, std::uint16_t length, const Bytes& points,
                                     const std::vector<std::size_t>& counts, std::uint32_t chunkSize);
@@ -187,7 +177,7 @@ void LasChunkTableTest::lostTableIsRebuilt()
     if (damage == "huge count") lasfiles::set<std::uint32_t>(laz, table + 4, 0xFFFFFFFFu);
     if (damage == "bytes") laz[table + 9] ^= std::byte(0x55);
     const fs::path path = make("lost.laz", laz);
-    QVERIFY(records(path) == points);
+    QVERIFY(recordsByUs(path) == points);
     const auto source = Reader::open(path)->source();
     const auto& warnings = source->warnings;
     QVERIFY(std::any_of(warnings.begin(), warnings.end(),
@@ -206,7 +196,7 @@ void LasChunkTableTest::positionAtTheEndOfTheFile()
     lasfiles::set(position, 0, table);
     lasfiles::append(laz, position);
     const fs::path path = make("stream.laz", laz);
-    QVERIFY(records(path) == points);
+    QVERIFY(recordsByUs(path) == points);
     QVERIFY(Reader::open(path)->source()->warnings.empty());
 }
 
@@ -238,7 +228,7 @@ void LasChunkTableTest::variableChunks()
         QVERIFY_EXCEPTION_THROWN(Reader::open(path), Error);
         return;
     }
-    QVERIFY(records(path) == points);
+    QVERIFY(recordsByUs(path) == points);
     if (chunkSize != "0")
         QVERIFY(lasfiles::recordsByLaszip(
                     make("v.laz", withVariableChunks(f, length, points, counts, chunkSize.toUInt())), f, length,
@@ -248,7 +238,7 @@ void LasChunkTableTest::variableChunks()
     lasfiles::set<std::uint32_t>(laz, 107, f < 6 ? 70000 : 0);
     if (f >= 6) lasfiles::set<std::uint64_t>(laz, 247, 70000);
     const fs::path wrong = make("wrong.laz", laz);
-    if (!lost) QVERIFY(records(wrong) == points);
+    if (!lost) QVERIFY(recordsByUs(wrong) == points);
 }
 
 void LasChunkTableTest::cutFileGivesWhatIsThere_data()
@@ -270,7 +260,7 @@ void LasChunkTableTest::cutFileGivesWhatIsThere()
     QVERIFY(source->recovered);
     QVERIFY(source->pointCount > 600 && source->pointCount < 1400);
     if (format >= 6) QCOMPARE(source->pointCount % 300, PointIndex(0));
-    const Bytes got = records(path);
+    const Bytes got = recordsByUs(path);
     // the very last points before a cut may be made of bytes that are not there
     const std::size_t sure = got.size() - (format < 6 ? 2u * length : 0u);
     QVERIFY(std::equal(got.begin(), got.begin() + std::ptrdiff_t(sure), points.begin()));

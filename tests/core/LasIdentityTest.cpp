@@ -3,12 +3,14 @@
 #include "core/las/Writer.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
+#include "tests/core/ReadRecords.h"
 
 #include <QTemporaryDir>
 #include <QTest>
 
 using namespace punctum;
 using lasfiles::Bytes;
+using lasfiles::recordsByUs;
 namespace fs = std::filesystem;
 
 /// What is opened and saved is what it was: every real file that is at hand, and random records of every format, as
@@ -108,18 +110,6 @@ las::WriteReport save(const PointCloud& cloud, const fs::path& path)
     return las::write(cloud, path, options, progress);
 }
 
-Bytes recordsByUs(const fs::path& path)
-{
-    const auto reader = las::Reader::open(path);
-    const std::size_t length = reader->source()->layout.length;
-    Bytes all(std::size_t(reader->source()->pointCount) * length);
-    Progress progress;
-    const auto result = reader->visitRecords(progress, [&](PointRange r, std::span<const std::byte> bytes) {
-        std::memcpy(all.data() + r.first * length, bytes.data(), bytes.size());
-    });
-    return result.missing.empty() && !reader->source()->recovered ? all : Bytes();
-}
-
 }  // namespace
 
 void LasIdentityTest::realFiles_data()
@@ -151,6 +141,7 @@ void LasIdentityTest::realFiles()
     const Bytes records = byLaszip(path);
     QVERIFY(recordsByUs(path) == records);
     const auto cloud = load(path);
+    QVERIFY(!cloud->source()->recovered);
     QCOMPARE(std::uint64_t(cloud->size()), before.points);
 
     const bool compressed = las::isCompressedName(path);
@@ -207,6 +198,7 @@ void LasIdentityTest::randomRecords()
     QVERIFY(recordsByUs(las) == points);
     QVERIFY(recordsByUs(laz) == points);
     const auto again = load(laz);
+    QVERIFY(!again->source()->recovered && !load(las)->source()->recovered);
     for (std::size_t k = 0; k < cloud->columns().size(); ++k) {
         const auto &a = *cloud->columns()[k], &b = *again->columns()[k];
         QVERIFY(std::memcmp(a.data(), b.data(), a.elementBytes() * count) == 0);

@@ -6,6 +6,7 @@
 #include "core/las/Writer.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
+#include "tests/core/ReadRecords.h"
 
 #include <QTemporaryDir>
 #include <QTest>
@@ -16,6 +17,7 @@
 
 using namespace punctum;
 using lasfiles::Bytes;
+using lasfiles::recordsByUs;
 namespace fs = std::filesystem;
 
 /// Writing LAS and LAZ. What is written is judged by LASzip's own API and byte by byte.
@@ -78,18 +80,6 @@ private:
             return e.what();
         }
         return {};
-    }
-    static Bytes records(const fs::path& path)
-    {
-        const auto reader = las::Reader::open(path);
-        const std::size_t length = reader->source()->layout.length;
-        Bytes all(std::size_t(reader->source()->pointCount) * length);
-        Progress progress;
-        const auto result = reader->visitRecords(progress, [&](PointRange r, std::span<const std::byte> bytes) {
-            std::memcpy(all.data() + r.first * length, bytes.data(), bytes.size());
-        });
-        if (!result.missing.empty()) throw std::runtime_error("points are missing");
-        return all;
     }
 
     QTemporaryDir m_dir;
@@ -339,7 +329,7 @@ void LasWriterTest::upgradeAndBack()
     back.pointFormat = 3;
     back.versionMinor = 2;
     save(*extended, temp("back.las"), back);
-    QVERIFY(records(temp("back.las")) == points);
+    QVERIFY(recordsByUs(temp("back.las")) == points);
 }
 
 void LasWriterTest::lossesAreRefused_data()
@@ -422,7 +412,7 @@ void LasWriterTest::versionsChange()
     const auto report = save(*load(make("evlr.las", withEvlr)), temp("down.las"), options);
     QVERIFY(hasNote(report, "late/5"));
     QVERIFY(las::Reader::open(temp("down.las"))->source()->findVlr("late", 5) != nullptr);
-    QVERIFY(records(temp("down.las")) == points);
+    QVERIFY(recordsByUs(temp("down.las")) == points);
 }
 
 void LasWriterTest::evlrsAndWaveformsMove()
@@ -473,7 +463,7 @@ void LasWriterTest::copcBecomesOrdinary()
     const auto source = las::Reader::open(temp("lion.laz"))->source();
     for (const auto* list : {&source->vlrs, &source->evlrs})
         for (const las::Vlr& v : *list) QVERIFY(v.user() != "copc");
-    QVERIFY(records(temp("lion.laz")) == records(path));
+    QVERIFY(recordsByUs(temp("lion.laz")) == recordsByUs(path));
     QCOMPARE(source->header.get<std::uint32_t>(243), 0u);
     QCOMPARE(source->header.get<std::uint64_t>(235), std::uint64_t(0));
 }
@@ -496,7 +486,7 @@ void LasWriterTest::damagedPointsAreLeftOut()
     QCOMPARE(report.points, PointIndex(900));
     Bytes rest = points;
     rest.erase(rest.begin() + 400 * 30, rest.begin() + 500 * 30);
-    QVERIFY(records(temp("rest.laz")) == rest);
+    QVERIFY(recordsByUs(temp("rest.laz")) == rest);
     QCOMPARE(lasfiles::get<std::uint64_t>(lasfiles::readFile(temp("rest.laz")), 247), std::uint64_t(900));
 }
 
@@ -525,7 +515,7 @@ void LasWriterTest::fullDiskLeavesTarget()
             QCOMPARE(names(), before);
         }
         save(*cloud, target);
-        QVERIFY(records(target) == points);
+        QVERIFY(recordsByUs(target) == points);
     }
 }
 

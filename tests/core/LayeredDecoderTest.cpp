@@ -67,17 +67,7 @@ private:
 
 void LayeredDecoderTest::realChunks()
 {
-    if (!fs::is_directory(PUNCTUM_TEST_DATA)) QSKIP("The folder of real files is not here.");
-    const std::size_t chunks =
-        forEachRealChunk(LayeredDecoder::supports,
-                         [](const fs::path& path, const LazInfo& info, const Chunk& chunk, const Bytes& data) {
-                             const Decoded ours = decode(info, data, chunk.count, PointDecoder::Codec::Fastest);
-                             const Decoded theirs = decode(info, data, chunk.count, PointDecoder::Codec::Laszip);
-                             QVERIFY2(ours.records == theirs.records, path.c_str());
-                             QCOMPARE(ours.position, chunk.bytes);  // all layers end where they should
-                         });
-    qInfo("%zu chunks of real files", chunks);
-    QVERIFY(chunks > 0);
+    compareRealChunks(LayeredDecoder::supports, false);
 }
 
 void LayeredDecoderTest::madeChunks_data()
@@ -99,17 +89,7 @@ void LayeredDecoderTest::madeChunks()
             RecordSource(info.format, info.recordLength, unsigned(format * 100 + extra) + unsigned(count))
                 .make(count);
         const Bytes chunk = chunkOf(info, records);
-        const Decoded ours = decode(info, chunk, count, PointDecoder::Codec::Fastest);
-        QVERIFY(ours.records == records);
-        QCOMPARE(ours.position, std::uint64_t(chunk.size()));
-        // and again from a decoder that has another chunk behind it
-        PointDecoder again(info, chunk, count);
-        Bytes into(records.size());
-        QCOMPARE(again.decode(count / 2, into.data()), count / 2);
-        again.restart(chunk);
-        QCOMPARE(again.decode(count, into.data()), count);
-        QVERIFY(into == records);
-        QCOMPARE(again.position(), std::uint64_t(chunk.size()));
+        checkMadeChunk(info, records, chunk);
     }
 }
 

@@ -47,18 +47,7 @@ private slots:
 
 void PointwiseDecoderTest::realChunks()
 {
-    if (!fs::is_directory(PUNCTUM_TEST_DATA)) QSKIP("The folder of real files is not here.");
-    const std::size_t chunks =
-        forEachRealChunk(PointwiseDecoder::supports,
-                         [](const fs::path& path, const LazInfo& info, const Chunk& chunk, const Bytes& data) {
-                             const Decoded ours = decode(info, data, chunk.count, PointDecoder::Codec::Fastest);
-                             const Decoded theirs = decode(info, data, chunk.count, PointDecoder::Codec::Laszip);
-                             QVERIFY2(ours.records == theirs.records, path.c_str());
-                             QCOMPARE(ours.position, chunk.bytes);
-                             QCOMPARE(theirs.position, chunk.bytes);
-                         });
-    qInfo("%zu chunks of real files", chunks);
-    QVERIFY(chunks > 0);
+    compareRealChunks(PointwiseDecoder::supports, true);
 }
 
 void PointwiseDecoderTest::madeChunks_data()
@@ -82,16 +71,7 @@ void PointwiseDecoderTest::madeChunks()
         const Bytes records = RecordSource(f, length, unsigned(format * 100 + extra) + unsigned(count)).make(count);
         const Bytes chunk = encodeChunk(info, records, punctum::Progress());
         QVERIFY(chunk == chunkByLaszip(info, records));
-        const Decoded ours = decode(info, chunk, count, PointDecoder::Codec::Fastest);
-        QVERIFY(ours.records == records);
-        QCOMPARE(ours.position, std::uint64_t(chunk.size()));
-        // and again from a decoder that has another chunk behind it
-        PointDecoder again(info, chunk, count);
-        Bytes into(records.size());
-        QCOMPARE(again.decode(count / 2, into.data()), count / 2);
-        again.restart(chunk);
-        QCOMPARE(again.decode(count, into.data()), count);
-        QVERIFY(into == records);
+        checkMadeChunk(info, records, chunk);
     }
 }
 
