@@ -178,7 +178,7 @@ void Workspace::openingEnded(const std::shared_ptr<Opening>& opening, const JobI
         const QStringList& losses = document->losses();
         say(MessageKind::Warning,
             (losses.size() == 1 ? tr("%1 is damaged: %2").arg(document->name(), losses.front())
-                                : tr("%1 is damaged in %2 ways; Properties lists them.")
+                                : tr("%1 is damaged in %2 ways; the File panel lists them.")
                                       .arg(document->name())
                                       .arg(losses.size())) +
                 tr(" What could be read is open; it can be saved under another name."),
@@ -187,7 +187,7 @@ void Workspace::openingEnded(const std::shared_ptr<Opening>& opening, const JobI
         say(MessageKind::Warning, tr("%1: %2").arg(document->name(), warnings.front()));
     else if (!warnings.isEmpty())
         say(MessageKind::Warning,
-            tr("%1 opened with %2 warnings; Properties lists them.").arg(document->name()).arg(warnings.size()));
+            tr("%1 opened with %2 warnings; the File panel lists them.").arg(document->name()).arg(warnings.size()));
     analyse(*document, {});
 }
 

@@ -13,7 +13,7 @@
 namespace punctum::ui
 {
 
-PropertiesDock::PropertiesDock(QWidget* parent) : QDockWidget(tr("Properties"), parent), m_text(new QTextBrowser)
+PropertiesDock::PropertiesDock(QWidget* parent) : QDockWidget(tr("File"), parent), m_text(new QTextBrowser)
 {
     setObjectName(QStringLiteral("properties"));
     m_text->setOpenLinks(false);

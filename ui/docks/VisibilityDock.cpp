@@ -46,7 +46,7 @@ QString coordinateText(double value, bool degrees)
 }  // namespace
 
 VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewport& viewport, QWidget* parent)
-    : QDockWidget(tr("Visibility"), parent),
+    : QDockWidget(tr("Filter"), parent),
       m_filter(filter),
       m_settings(settings),
       m_viewport(viewport),

@@ -34,7 +34,7 @@ constexpr int kIdRole = Qt::UserRole;
 }  // namespace
 
 MeasureDock::MeasureDock(Measurements& measurements, QWidget* parent)
-    : QDockWidget(tr("Measurements"), parent),
+    : QDockWidget(tr("Measure"), parent),
       m_measurements(measurements),
       m_list(new QTreeWidget),
       m_hint(new QLabel(tr("Choose a tool of the menu Measure, then click points in the view."))),
