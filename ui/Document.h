@@ -38,6 +38,7 @@ struct OpenCloud {
     /// Held while the history moves, and while "saved" is noted down: a save never marks an edit that it missed.
     std::mutex editGate;
     std::uint64_t edits = 0;  ///< moves of the history so far; guarded by editGate
+    bool journalTold = false;  ///< that it is not kept; guarded by editGate
 };
 
 /// Minimum, maximum and mean of each component of an attribute.

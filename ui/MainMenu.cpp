@@ -16,6 +16,7 @@
 #include "ui/docks/PropertiesDock.h"
 #include "ui/docks/VisibilityDock.h"
 #include "ui/measure/MeasureDock.h"
+#include "ui/select/EditDock.h"
 #include "ui/style/Icons.h"
 
 #include <QActionGroup>
@@ -227,7 +228,7 @@ void MainMenu::makeView()
 
     QMenu* panels = menu->addMenu(tr("Pa&nels"));
     for (QDockWidget* dock : std::initializer_list<QDockWidget*>{
-             &m_window.attributesDock(), &m_window.classesDock(), &m_window.processingDock(),
+             &m_window.attributesDock(), &m_window.classesDock(), &m_window.processingDock(), &m_window.editDock(),
              &m_window.propertiesDock(), &m_window.visibilityDock(), &m_window.measureDock(), &m_window.jobsDock()})
         panels->addAction(dock->toggleViewAction());
     QMenu* appearance = menu->addMenu(tr("App&earance"));

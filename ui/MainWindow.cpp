@@ -6,6 +6,7 @@
 #include "ui/HelpPages.h"
 #include "ui/MainMenu.h"
 #include "ui/MessageArea.h"
+#include "ui/Recovery.h"
 #include "ui/SaveDialogs.h"
 #include "ui/Screenshot.h"
 #include "ui/Text.h"
@@ -27,6 +28,10 @@
 #include "ui/measure/MeasureDock.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
+#include "ui/select/EditDock.h"
+#include "ui/select/SelectBar.h"
+#include "ui/select/SelectTools.h"
+#include "ui/select/Selection.h"
 #include "ui/style/Icons.h"
 
 #include <QApplication>
@@ -73,7 +78,7 @@ MainWindow::Unsaved askInBox(QWidget* parent, const QString& name)
 
 MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     : QMainWindow(parent),
-      m_workspace(new Workspace(this)),
+      m_workspace(new Workspace(WindowSettings::journalFolder(options.settingsFile), this)),
       m_settings(std::make_unique<WindowSettings>(options.settingsFile, [this](std::function<void()> write) {
           m_workspace->startJob(
               tr("Settings"), [write = std::move(write)](Progress&) { write(); }, {}, true);
@@ -88,6 +93,8 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
         punctum::ui::askQuestion(this, question, reason, yes, std::move(answer));
     };
 
+    m_workspace->recovery().ask = m_workspace->askQuestion;
+
     const auto backend = options.backend ? options.backend : m_settings->backend();
     m_view = new ViewSettings(this);
     m_renderer = new ViewRenderer(backend, m_settings->fastestBackend(), this);
@@ -95,11 +102,15 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
         new Viewport(*m_renderer, *m_view,
                      options.view != ViewKind::Raster && openGlWidgetsWork(options.view == ViewKind::OpenGl));
     setCentralWidget(m_viewport);
+    m_filter = new ViewFilter(*m_workspace, *m_renderer, *m_view, this);
+    m_selection = new Selection(*m_workspace, *m_renderer, *m_view, *m_filter, this);
+    m_selectTools = new SelectTools(*m_viewport, *m_selection, this);
     m_measurements = new Measurements(*m_workspace, this);
     m_measureTools = new MeasureTools(*m_viewport, *m_renderer, *m_workspace, *m_measurements, this);
     addDocks();
     m_menu = new MainMenu(*this);
     addMeasureMenu(*this, *m_measureTools, *m_measurements, *m_measureDock);
+    m_selectBar = new SelectBar(*this, *m_selection, *m_selectTools);
 
     m_readOut = new QLabel;
     m_viewState = new QLabel;
@@ -132,16 +143,18 @@ void MainWindow::addDocks()
     m_attributes = new AttributesDock(*m_workspace, *m_view, this);
     m_classes = new ClassesDock(*m_view, this);
     m_processing = new ProcessingDock(*m_workspace, this);
+    m_edit = new EditDock(*m_workspace, *m_selection, this);
     m_properties = new PropertiesDock(this);
     m_measureDock = new MeasureDock(*m_measurements, this);
     m_jobs = new JobsDock(*m_workspace, this);
-    m_filter = new ViewFilter(*m_workspace, *m_renderer, *m_view, this);
     m_visibility = new VisibilityDock(*m_filter, *m_view, *m_viewport, this);
     addDockWidget(Qt::LeftDockWidgetArea, m_attributes);
     addDockWidget(Qt::LeftDockWidgetArea, m_classes);
     addDockWidget(Qt::RightDockWidgetArea, m_processing);
     addDockWidget(Qt::RightDockWidgetArea, m_properties);
-    tabifyDockWidget(m_processing, m_properties);
+    addDockWidget(Qt::RightDockWidgetArea, m_edit);
+    tabifyDockWidget(m_processing, m_edit);
+    tabifyDockWidget(m_edit, m_properties);
     tabifyDockWidget(m_properties, m_visibility);
     addDockWidget(Qt::RightDockWidgetArea, m_measureDock);
     tabifyDockWidget(m_visibility, m_measureDock);
@@ -154,7 +167,7 @@ void MainWindow::addDocks()
     }
     // These share a place, and their tabs say their names.
     for (QDockWidget* dock :
-         std::initializer_list<QDockWidget*>{m_processing, m_properties, m_visibility, m_measureDock})
+         std::initializer_list<QDockWidget*>{m_processing, m_edit, m_properties, m_visibility, m_measureDock})
         dock->setTitleBarWidget(new QWidget);
     setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
     setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
@@ -186,6 +199,7 @@ void MainWindow::connectParts()
         m_attributes->setDocument(document);
         m_classes->setDocument(document);
         m_processing->setDocument(document);
+        m_edit->setDocument(document);
         m_properties->setDocument(document);
         m_visibility->setDocument(document);
         updateTitle();
@@ -195,6 +209,13 @@ void MainWindow::connectParts()
         m_processing->updateProgress();
     });
 
+    // one tool at a time has the mouse
+    connect(m_selectTools, &SelectTools::toolChanged, this, [this](SelectTools::Tool tool) {
+        if (tool != SelectTools::Tool::None) m_measureTools->setTool(std::nullopt);
+    });
+    connect(m_measureTools, &MeasureTools::toolChanged, this, [this] {
+        if (m_measureTools->tool()) m_selectTools->setTool(SelectTools::Tool::None);
+    });
     connect(m_viewport, &Viewport::filesDropped, this, &MainWindow::openFiles);
     connect(m_viewport, &Viewport::attributeDropped, this, &MainWindow::showAttribute);
     connect(m_viewport, &Viewport::openRequested, this, &MainWindow::chooseFiles);
@@ -405,6 +426,11 @@ void MainWindow::redo()
 }
 
 // -- the view
+
+void MainWindow::focusView()
+{
+    m_viewport->setFocus();
+}
 
 void MainWindow::showAttribute(const QString& name)
 {

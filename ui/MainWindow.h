@@ -30,6 +30,10 @@ class MeasureTools;
 class Measurements;
 class ProcessingDock;
 class PropertiesDock;
+class EditDock;
+class SelectBar;
+class SelectTools;
+class Selection;
 class ViewRenderer;
 class ViewFilter;
 class ViewSettings;
@@ -84,6 +88,12 @@ public:
     VisibilityDock& visibilityDock() noexcept { return *m_visibility; }
     ViewFilter& viewFilter() noexcept { return *m_filter; }
     MainMenu& menu() noexcept { return *m_menu; }
+    Selection& selection() noexcept { return *m_selection; }
+    SelectTools& selectTools() noexcept { return *m_selectTools; }
+    SelectBar& selectBar() noexcept { return *m_selectBar; }
+    EditDock& editDock() noexcept { return *m_edit; }
+    /// Keys go to the view.
+    void focusView();
 
     /// Asks about unsaved changes; replaced by tests. The default shows a message box.
     std::function<Unsaved(const QString& fileName)> askUnsaved;
@@ -144,6 +154,10 @@ private:
     ViewFilter* m_filter = nullptr;
     VisibilityDock* m_visibility = nullptr;
     MainMenu* m_menu = nullptr;
+    Selection* m_selection = nullptr;
+    SelectTools* m_selectTools = nullptr;
+    SelectBar* m_selectBar = nullptr;
+    EditDock* m_edit = nullptr;
     QLabel* m_readOut = nullptr;
     QLabel* m_viewState = nullptr;
     QLabel* m_backend = nullptr;

@@ -9,6 +9,8 @@
 
 #include <QPointer>
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <chrono>
 #include <shared_mutex>
@@ -79,7 +81,12 @@ struct ViewRenderer::Thread {
     render::BackendKind wanted = render::BackendKind::Cpu;  ///< what applyChoice() asked for; `kind` draws
     bool measured = false;                                  ///< `fastest` is known to be of this machine
     std::vector<Cloud> clouds;                              ///< in the renderer's order
+    struct Snapshot {
+        std::shared_ptr<const PointCloud> cloud;
+        std::function<void(std::shared_ptr<const ViewSnapshot>)> done;
+    };
     std::vector<Capture> captures;
+    std::vector<Snapshot> snapshots;
     bool dirty = false;   ///< a command changed what is to be seen
     bool broken = false;  ///< the backend failed; wait for a command
     std::uint64_t frames = 0;
@@ -200,6 +207,30 @@ void ViewRenderer::hide(std::shared_ptr<const PointCloud> cloud, std::shared_ptr
     post([cloud = std::move(cloud), points = std::move(points)](Thread& thread) {
         thread.renderer->hide(*cloud, points.get());
         thread.dirty = true;
+    });
+}
+
+void ViewRenderer::setSelection(std::shared_ptr<const PointCloud> cloud, std::shared_ptr<const PointSet> selection)
+{
+    post([cloud = std::move(cloud), selection = std::move(selection)](Thread& thread) {
+        thread.renderer->setSelection(*cloud, selection);
+        thread.dirty = true;
+    });
+}
+
+void ViewRenderer::snapshot(std::shared_ptr<const PointCloud> cloud, QObject* receiver, SnapshotReply reply)
+{
+    post([this, cloud = std::move(cloud), target = QPointer<QObject>(receiver),
+          reply = std::move(reply)](Thread& thread) {
+        thread.snapshots.push_back({cloud, [this, target, reply](std::shared_ptr<const ViewSnapshot> view) {
+                                        // by way of this object, as in pick()
+                                        QMetaObject::invokeMethod(
+                                            this,
+                                            [target, reply, view = std::move(view)] {
+                                                if (target) reply(view);
+                                            },
+                                            Qt::QueuedConnection);
+                                    }});
     });
 }
 
@@ -359,6 +390,8 @@ void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBacken
                 thread.dirty = false;
             }
         }
+        if (thread.broken)
+            for (const Thread::Snapshot& wanted : std::exchange(thread.snapshots, {})) wanted.done(nullptr);
         const bool loading = thread.loading();
         idle = thread.broken || (!thread.dirty && !loading && thread.renderer->converged());
         calm = loading && !pending.camera;
@@ -373,7 +406,26 @@ void ViewRenderer::renderNext(Thread& thread)
         const render::FrameReport report = thread.renderer->renderFrame(kFrameBudget);
         if (thread.renderer->image().width > 0) publish(thread, report);
     }
+    if (thread.renderer->converged()) serveSnapshots(thread);
     if (!thread.captures.empty() && thread.renderer->converged() && !thread.loading()) serveCaptures(thread);
+}
+
+void ViewRenderer::serveSnapshots(Thread& thread)
+{
+    for (const Thread::Snapshot& wanted : std::exchange(thread.snapshots, {})) {
+        std::shared_ptr<ViewSnapshot> view;
+        for (const Thread::Cloud& entry : thread.clouds) {
+            if (&entry.store->cloud() != wanted.cloud.get()) continue;
+            view = std::make_shared<ViewSnapshot>();
+            view->cloud = wanted.cloud;
+            view->projection = thread.renderer->projectionOf(*wanted.cloud);
+            const PictureProjection& p = view->projection;
+            const glm::dvec3 pivot = wanted.cloud->coordinates().toRaw(thread.renderer->camera().pivot) - p.base;
+            view->pivotDepth = glm::dot(glm::dvec3(p.rowD), pivot) + p.rowD.w;
+            view->visible = std::make_shared<PointSet>(thread.renderer->visiblePoints(*wanted.cloud));
+        }
+        wanted.done(std::move(view));
+    }
 }
 
 void ViewRenderer::serveCaptures(Thread& thread)

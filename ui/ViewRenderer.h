@@ -45,6 +45,14 @@ struct PickedPoint {
     QString value;
 };
 
+/// What selecting needs to know of a finished picture, for one cloud.
+struct ViewSnapshot {
+    std::shared_ptr<const PointCloud> cloud;
+    PictureProjection projection;
+    double pivotDepth = 0.0;                  ///< as the projection tells depths
+    std::shared_ptr<const PointSet> visible;  ///< the points that can be seen
+};
+
 /// The render thread: owns the progressive renderer and its backend, and draws a frame whenever something changed
 /// or the picture is not finished. An idle view costs no processor time.
 ///
@@ -73,6 +81,12 @@ public:
 
     /// Points that are not drawn; null: none.
     void hide(std::shared_ptr<const PointCloud> cloud, std::shared_ptr<const PointSet> points);
+    /// Points drawn as selected; null: none.
+    void setSelection(std::shared_ptr<const PointCloud> cloud, std::shared_ptr<const PointSet> selection);
+    using SnapshotReply = std::function<void(const std::shared_ptr<const ViewSnapshot>&)>;
+    /// The view of a cloud once the picture is finished; `reply` is called in the thread of `receiver`, unless that
+    /// is gone, with null when the cloud is.
+    void snapshot(std::shared_ptr<const PointCloud> cloud, QObject* receiver, SnapshotReply reply);
 
     using PickReply = std::function<void(const std::optional<PickedPoint>&)>;
     /// What is at this px of the picture; `reply` is called in the thread of `receiver`, unless that is gone.
@@ -114,6 +128,7 @@ private:
     void measureBackends(Thread& thread);
     void renderNext(Thread& thread);
     void serveCaptures(Thread& thread);
+    void serveSnapshots(Thread& thread);
     void publish(Thread& thread, const render::FrameReport& report);
     void announceFailure(const QString& sentence);
 

@@ -200,6 +200,13 @@ void ViewSettings::setClassVisible(unsigned code, bool visible)
     notify();
 }
 
+void ViewSettings::setClassLocked(unsigned code, bool locked)
+{
+    if (code > 255 || m_classLocked[code] == locked) return;
+    m_classLocked[code] = locked;
+    notify();
+}
+
 void ViewSettings::setAllClassesVisible(bool visible)
 {
     m_display.classVisible.fill(visible);

@@ -57,6 +57,9 @@ public:
     void setClassColor(unsigned code, render::Rgba8 color);
     void setClassVisible(unsigned code, bool visible);
     void setAllClassesVisible(bool visible);
+    /// Tools leave the points of a locked class alone.
+    void setClassLocked(unsigned code, bool locked);
+    bool classLocked(unsigned code) const noexcept { return m_classLocked[code & 255u]; }
     /// Which of these classes alone are drawn by double-click in the list.
     void showOnlyClass(unsigned code);
 
@@ -69,6 +72,7 @@ private:
     render::DisplaySettings m_display;
     Background m_background = Background::Dark;
     render::Rgba8 m_ownBackground{46, 60, 84, 255};
+    std::array<bool, 256> m_classLocked{};
 };
 
 }  // namespace punctum::ui

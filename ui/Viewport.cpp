@@ -121,6 +121,11 @@ void Viewport::setCamera(const render::Camera& camera, bool animated)
     m_flight->start();
 }
 
+void Viewport::holdCamera()
+{
+    m_flight->stop();
+}
+
 void Viewport::userCamera(const render::Camera& camera)
 {
     ++m_userMoves;

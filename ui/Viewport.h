@@ -45,6 +45,8 @@ public:
     /// Counts what the user did to the camera: a fit by the program must not undo it.
     std::uint64_t userMoves() const noexcept { return m_userMoves; }
     void setCamera(const render::Camera& camera, bool animated = false);
+    /// Ends a flight where it is: what is drawn on the picture must not find another one.
+    void holdCamera();
     /// The box of all that is open; what fit() and the first view go by. `stretch`: of cameras from the next fit
     /// on.
     void setSceneBounds(const WorldBounds& bounds, const glm::dvec3& stretch)

@@ -21,7 +21,7 @@ namespace
 {
 
 constexpr int kRecentFiles = 10;
-constexpr int kLayoutVersion = 2;  // raise when docks come or go
+constexpr int kLayoutVersion = 3;  // raise when docks come or go
 
 const QString kGeometry = QStringLiteral("window/geometry");
 const QString kLayout = QStringLiteral("window/state");
@@ -53,6 +53,14 @@ std::unique_ptr<QSettings> openSettings(const QString& file)
 }
 
 }  // namespace
+
+QString WindowSettings::journalFolder(const QString& file)
+{
+    const QString beside = file.isEmpty() ? QStandardPaths::writableLocation(QStandardPaths::GenericDataLocation) +
+                                                QStringLiteral("/Punctum")
+                                          : QFileInfo(file).absolutePath();
+    return beside + QStringLiteral("/journals");
+}
 
 WindowSettings::WindowSettings(const QString& file, RunInBackground inBackground)
     : m_file(file), m_inBackground(std::move(inBackground))

@@ -24,6 +24,9 @@ class ViewSettings;
 class WindowSettings
 {
 public:
+    /// Where unsaved edits are noted down: beside the settings of this file; empty: in the user's data.
+    static QString journalFolder(const QString& file);
+
     using RunInBackground = std::function<void(std::function<void()>)>;
 
     /// `file`: an .ini file; empty: the user's own settings.

@@ -3,9 +3,11 @@
 
 #include "core/Error.h"
 #include "core/edit/History.h"
+#include "core/process/MakeCommand.h"
 #include "core/task/Progress.h"
 #include "render/store/PointStore.h"
 #include "ui/BackgroundPriority.h"
+#include "ui/Recovery.h"
 #include "ui/Saving.h"
 #include "ui/Text.h"
 
@@ -47,12 +49,20 @@ struct Workspace::Opening {
     QPointer<Document> document;  ///< GUI thread only
 };
 
-Workspace::Workspace(QObject* parent) : QObject(parent), m_jobs(std::make_unique<Jobs>()) {}
+Workspace::Workspace(const QString& journals, QObject* parent)
+    : QObject(parent),
+      m_recovery(std::make_unique<Recovery>(*this, toPath(journals))),
+      m_jobs(std::make_unique<Jobs>())
+{
+}
 
 Workspace::~Workspace()
 {
     m_jobs.reset();  // cancels and waits: from here on no thread knows of this object
     m_watches.clear();
+    for (Document* document :
+         m_documents)  // ended in order: what is unsaved was to be given up, or there is nothing
+        Recovery::closed(*document->data());
     qDeleteAll(m_documents);
 }
 
@@ -189,6 +199,7 @@ void Workspace::openingEnded(const std::shared_ptr<Opening>& opening, const JobI
         say(MessageKind::Warning,
             tr("%1 opened with %2 warnings; the File panel lists them.").arg(document->name()).arg(warnings.size()));
     analyse(*document, {});
+    m_recovery->look(*document);
 }
 
 void Workspace::close(Document& document)
@@ -216,6 +227,7 @@ void Workspace::remove(Document& document, bool openingFailed)
     startJob(
         tr("Close %1").arg(document.name()),
         [data = document.data()](Progress& progress) {
+            Recovery::closed(*data);
             while (data.use_count() > 1 && !progress.cancelled())
                 std::this_thread::sleep_for(std::chrono::milliseconds(20));
         },
@@ -395,6 +407,13 @@ void Workspace::startSave(const std::shared_ptr<Saving>& saving)
                 if (saving->document) {
                     saving->document->setSavedAs(saving->target, save);
                     countUnsaved(*saving->document);
+                    startJob(
+                        tr("Journal"),
+                        [data = saving->data](Progress&) {
+                            const std::lock_guard gate(data->editGate);
+                            Recovery::saved(*data);
+                        },
+                        {}, true);
                     emit saved(saving->document);
                 }
             }
@@ -480,9 +499,10 @@ void Workspace::moveHistory(Document& document, bool forward)
     const std::string what = forward ? data->history->redoName() : data->history->undoName();
     if (what.empty()) return;
     startJob((forward ? tr("Redo %1") : tr("Undo %1")).arg(toQString(what)),
-             [data, forward](Progress& progress) {
+             [this, data, forward](Progress& progress) {
                  progress.begin("Changing points", 1);
                  const std::lock_guard gate(data->editGate);
+                 m_recovery->noteDown(*data, false, progress);
                  ++data->edits;
                  forward ? data->history->redo() : data->history->undo();
              },
@@ -495,26 +515,23 @@ void Workspace::moveHistory(Document& document, bool forward)
              true);
 }
 
-JobId Workspace::run(Document& document, const Step& step, const StepValues& values)
+JobId Workspace::edit(Document& document, const QString& title, const Recipe& recipe, EditEnded ended)
 {
-    struct Outcome {
-        PointIndex changed = 0;
-        QStringList newAttributes;
-    };
-    auto outcome = std::make_shared<Outcome>();
+    auto outcome = std::make_shared<EditOutcome>();
     const auto data = document.data();
-    const QString title = toQString(step.title());
     const JobId id = startJob(
         tr("%1 of %2").arg(title, document.name()),
-        [data, &step, values, outcome](Progress& progress) {
+        [this, data, recipe, outcome](Progress& progress) {
             const auto before = attributeNames(*data->cloud);
-            auto command = step.run(*data->cloud, completeValues(step, values), progress);
+            auto command = makeCommand(recipe, *data->cloud, progress);
             if (!command) return;
             progress.check();
             outcome->changed = command->changedPoints();
             progress.begin("Changing points", 1);
             {
                 const std::lock_guard gate(data->editGate);
+                m_recovery->noteDown(*data, true, progress);
+                progress.check();
                 ++data->edits;
                 data->history->push(std::move(command));
             }
@@ -522,16 +539,28 @@ JobId Workspace::run(Document& document, const Step& step, const StepValues& val
                 if (std::find(before.begin(), before.end(), name) == before.end())
                     outcome->newAttributes << toQString(name);
         },
-        [this, alive = QPointer<Document>(&document), title, outcome](const JobInfo& info) {
-            if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
-            if (alive) {
-                alive->noteEdit();
-                countUnsaved(*alive);
-            }
-            emit stepEnded(info.id, title, outcome->changed, outcome->newAttributes, info);
+        [this, alive = QPointer<Document>(&document), ended = std::move(ended), outcome](const JobInfo& info) {
+            if (alive) edited(*alive);
+            ended(info, *outcome);
         });
     m_documentJobs.emplace(&document, id);
     return id;
+}
+
+void Workspace::edited(Document& document)
+{
+    document.noteEdit();
+    countUnsaved(document);
+}
+
+JobId Workspace::run(Document& document, const Step& step, const StepValues& values)
+{
+    const QString title = toQString(step.title());
+    return edit(document, title, Recipe{step.name(), values, nullptr},
+                [this, title](const JobInfo& info, const EditOutcome& outcome) {
+                    if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
+                    emit stepEnded(info.id, title, outcome.changed, outcome.newAttributes, info);
+                });
 }
 
 }  // namespace punctum::ui

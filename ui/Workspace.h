@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/edit/Recipe.h"
 #include "core/process/Step.h"
 #include "core/task/Jobs.h"
 #include "ui/Document.h"
@@ -17,6 +18,7 @@
 namespace punctum::ui
 {
 
+class Recovery;
 struct Forecast;
 
 /// How grave a message to the user is.
@@ -32,7 +34,8 @@ class Workspace final : public QObject
 public:
     using Ended = std::function<void(const JobInfo&)>;
 
-    explicit Workspace(QObject* parent = nullptr);
+    /// `journals`: the folder where unsaved edits are noted down, in case of a crash; empty: nowhere.
+    explicit Workspace(const QString& journals = {}, QObject* parent = nullptr);
     ~Workspace() override;
 
     const std::vector<Document*>& documents() const noexcept { return m_documents; }
@@ -63,6 +66,19 @@ public:
     void redo(Document& document);
     /// Runs a processing step and applies its command; stepEnded tells the result.
     JobId run(Document& document, const Step& step, const StepValues& values);
+
+    /// Makes the recipe's command and applies it, as one step of the history. `ended` is called in the GUI thread;
+    /// a failure is told by it alone.
+    struct EditOutcome {
+        PointIndex changed = 0;
+        QStringList newAttributes;
+    };
+    using EditEnded = std::function<void(const JobInfo&, const EditOutcome&)>;
+    JobId edit(Document& document, const QString& title, const Recipe& recipe, EditEnded ended);
+
+    /// The document was changed by a job of somebody else: says so, and counts what is unsaved.
+    void edited(Document& document);
+    Recovery& recovery() noexcept { return *m_recovery; }
 
     /// Any other long work. `ended` is called in the GUI thread. Quiet jobs leave the list at once.
     JobId startJob(const QString& title, Jobs::Work work, Ended ended = {}, bool quiet = false);
@@ -114,6 +130,7 @@ private:
         bool countAgain = false;  ///< something changed meanwhile
     };
 
+    std::unique_ptr<Recovery> m_recovery;  ///< outlives the jobs
     std::unique_ptr<Jobs> m_jobs;
     std::vector<Document*> m_documents;
     std::map<Document*, Watch> m_watches;

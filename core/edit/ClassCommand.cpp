@@ -52,6 +52,7 @@ public:
     }
 
     PointIndex changedPoints() const noexcept override { return m_edit->changedPoints(); }
+    std::shared_ptr<const PointSet> points() const override { return m_edit->points(); }
 
     void apply(PointCloud& cloud) noexcept override
     {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "core/cloud/PointCloud.h"
+#include "core/edit/Recipe.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,8 +29,13 @@ public:
 
     /// Shown in menus and lists: "Reclassify to 6 Building".
     const std::string& name() const noexcept { return m_name; }
+    /// What it was made from, where that is known: makeCommand() sets it, a journal keeps it.
+    const std::optional<Recipe>& recipe() const noexcept { return m_recipe; }
+    void setRecipe(Recipe recipe) { m_recipe = std::move(recipe); }
     /// Points whose values differ.
     virtual PointIndex changedPoints() const noexcept = 0;
+    /// Which they are; null where that is all points, or not known.
+    virtual std::shared_ptr<const PointSet> points() const { return nullptr; }
     /// Does it if undone, undoes it if done: takes cloud.mutex() alone for the time of the swap, then notifies.
     /// Parallel; never throws; call it from a job, not the GUI thread.
     virtual void apply(PointCloud& cloud) noexcept = 0;
@@ -46,6 +53,7 @@ public:
 
 private:
     std::string m_name;
+    std::optional<Recipe> m_recipe;
 };
 
 /// New values of one column for a set of points.
@@ -61,6 +69,7 @@ public:
                  std::vector<std::byte> values);
 
     PointIndex changedPoints() const noexcept override { return m_count; }
+    std::shared_ptr<const PointSet> points() const override { return m_points; }
     void apply(PointCloud& cloud) noexcept override;
     Effect effect() const override { return {{m_column}, {}, {}}; }
     void cross(const Column& column, std::span<std::byte> values) const override;

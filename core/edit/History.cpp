@@ -2,6 +2,7 @@
 #include "core/edit/History.h"
 
 #include "core/edit/Command.h"
+#include "core/edit/Journal.h"
 #include "core/task/Progress.h"
 
 #include <tbb/blocked_range.h>
@@ -65,6 +66,7 @@ void History::push(std::unique_ptr<Command> command)
         m_commands.reserve(m_commands.size() + 1);  // whatever can fail fails before the points change
         forgotten.reserve(m_commands.size() - m_done);
     }
+    if (const auto journal = this->journal()) journal->done(*command);
     command->apply(*m_cloud);
 
     const std::lock_guard lock(m_mutex);
@@ -80,6 +82,7 @@ void History::undo()
 {
     const std::lock_guard changing(m_changing);
     if (!canUndo()) return;
+    if (const auto journal = this->journal()) journal->undone();
     // Only a change alters m_commands and m_done, and changes take turns: reading them here needs no lock.
     m_commands[m_done - 1]->apply(*m_cloud);
     const std::lock_guard lock(m_mutex);
@@ -90,9 +93,22 @@ void History::redo()
 {
     const std::lock_guard changing(m_changing);
     if (!canRedo()) return;
+    if (const auto journal = this->journal()) journal->redone();
     m_commands[m_done]->apply(*m_cloud);
     const std::lock_guard lock(m_mutex);
     ++m_done;
+}
+
+void History::setJournal(std::shared_ptr<Journal> journal)
+{
+    const std::lock_guard lock(m_mutex);
+    m_journal = std::move(journal);
+}
+
+std::shared_ptr<Journal> History::journal() const
+{
+    const std::lock_guard lock(m_mutex);
+    return m_journal;
 }
 
 bool History::canUndo() const

@@ -13,6 +13,7 @@
 namespace punctum
 {
 
+class Journal;
 class Progress;
 
 /// An attribute, and how many points have another value of it than before.
@@ -37,6 +38,10 @@ public:
     void undo();  ///< nothing when there is nothing to undo
     void redo();
 
+    /// From now on each change is noted there before it is done; null: nowhere.
+    void setJournal(std::shared_ptr<Journal> journal);
+    std::shared_ptr<Journal> journal() const;
+
     bool canUndo() const;
     bool canRedo() const;
     std::string undoName() const;  ///< name of the command that undo() would take back; empty when none
@@ -58,6 +63,7 @@ private:
     mutable std::mutex m_mutex;     ///< guards what follows
     std::vector<std::unique_ptr<Command>> m_commands;
     std::size_t m_done = 0;
+    std::shared_ptr<Journal> m_journal;
     std::ptrdiff_t m_saved = 0;  ///< -1: the saved state can no longer be reached
 };
 

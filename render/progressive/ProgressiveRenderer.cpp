@@ -6,7 +6,11 @@
 #include "render/resolve/EyeDome.h"
 #include "render/store/Spacing.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -369,6 +373,7 @@ ResolveSettings ProgressiveRenderer::colorSettings() const
             colors.kind = encoder->kind();
             colors.low = float(m_range.first - encoder->bias());
             colors.high = float(m_range.second - encoder->bias());
+            colors.marked = encoder->selection() != nullptr;
         }
         settings.layers.push_back(colors);
     }
@@ -528,6 +533,58 @@ FrameReport ProgressiveRenderer::renderBruteForce()
     report.converged = ready();
     report.seconds = now() - started;
     return report;
+}
+
+void ProgressiveRenderer::setSelection(const PointCloud& cloud, std::shared_ptr<const PointSet> selection)
+{
+    Entry* const entry = find(cloud);
+    if (entry == nullptr) return;
+    const std::shared_lock lock(cloud.mutex());
+    entry->store->setSelection(std::move(selection));
+    m_colors = {};
+    m_resolveNeeded = true;
+}
+
+PointSet ProgressiveRenderer::visiblePoints(const PointCloud& cloud)
+{
+    PointSet points(cloud.size());
+    if (m_targetChanged || m_layersChanged) return points;
+    for (std::size_t layer = 0; layer < m_entries.size(); ++layer) {
+        const PointStore& store = *m_entries[layer]->store;
+        if (&store.cloud() != &cloud) continue;
+        const PointId first = m_scene.layers[layer].firstId;
+        m_backend->visibleIds(m_visible);
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, m_visible.size(), 1 << 14), [&](const auto& r) {
+            for (std::size_t k = r.begin(); k != r.end(); ++k) {
+                const PointId slot = m_visible[k] - first;  // of other clouds: wraps round, and is too large
+                if (slot >= store.slotCount()) continue;
+                const PointIndex i = store.order().indexOf(slot);
+                if (i >= points.size()) continue;
+                std::atomic_ref<std::uint64_t> word(points.words()[i / 64]);
+                word.fetch_or(std::uint64_t(1) << (i % 64), std::memory_order_relaxed);
+            }
+        });
+    }
+    return points;
+}
+
+PictureProjection ProgressiveRenderer::projectionOf(const PointCloud& cloud) const
+{
+    for (const auto& entry : m_entries) {
+        if (&entry->store->cloud() != &cloud) continue;
+        const TargetSize size = m_backend->target();
+        const LayerProjection p = makeProjection(m_camera, *entry->store, size);
+        const LocalFrame& frame = entry->store->frame();
+        const double step = 1 << frame.shift;  // raw units of a local one
+        const auto row = [step](const glm::vec4& r) { return glm::dvec4(glm::dvec3(r) / step, r.w); };
+        return {frame.toRaw(glm::dvec3(p.reference)),
+                row(p.rowX),
+                row(p.rowY),
+                row(p.rowD),
+                p.perspective,
+                p.nearDepth};
+    }
+    return {};
 }
 
 std::optional<PickResult> ProgressiveRenderer::pick(int x, int y, int radius)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/select/Selecting.h"
 #include "render/camera/Camera.h"
 #include "render/camera/Projection.h"
 #include "render/progressive/DisplaySettings.h"
@@ -53,6 +54,8 @@ public:
     /// Call after a change of values or attributes (from any ChangeNotice) and when loading has ended.
     void valuesChanged(const PointCloud& cloud, const ChangeNotice& notice);
     void loadingEnded(const PointCloud& cloud, const RawBounds& bounds);
+    /// Points that are drawn as selected; null: none.
+    void setSelection(const PointCloud& cloud, std::shared_ptr<const PointSet> selection);
 
     /// Points that are not drawn from now on, beside hidden classes and what the clip cuts off; null: none.
     void hide(const PointCloud& cloud, const PointSet* points);
@@ -81,6 +84,10 @@ public:
     void depths(std::vector<float>& out) { m_backend->depths(out); }
     bool converged() const noexcept;
 
+    /// The points of a cloud that the picture shows; say so once it has converged.
+    PointSet visiblePoints(const PointCloud& cloud);
+    /// How the picture shows the raw coordinates of a cloud.
+    PictureProjection projectionOf(const PointCloud& cloud) const;
     /// The point nearest to a px, of those on screen.
     std::optional<PickResult> pick(int x, int y, int radius = 4);
     /// Share of the pixels that have a point.

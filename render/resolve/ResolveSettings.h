@@ -17,6 +17,7 @@ struct LayerColors {
     WordKind kind = WordKind::Scalar;
     float low = 0.0f;   ///< Scalar: value - bias that gets the first colour of the map
     float high = 1.0f;  ///< Scalar: value - bias that gets the last
+    bool marked = false;  ///< selected points are: see selectedBit()
     friend bool operator==(const LayerColors&, const LayerColors&) = default;
 };
 
@@ -43,6 +44,9 @@ struct ResolveSettings {
     } rows;
     friend bool operator==(const ResolveSettings&, const ResolveSettings&) = default;
 };
+
+/// Selected points have this color, and a little of their own.
+inline constexpr Rgba8 kSelectedColor{255, 214, 64, 255};
 
 /// The colour of one word: the reference that every backend follows.
 inline Rgba8 colorOf(std::uint32_t word, const LayerColors& layer, const ResolveSettings& settings) noexcept;

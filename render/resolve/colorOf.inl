@@ -10,7 +10,7 @@ namespace punctum::render {
 /// Of a surface that is seen edgewise.
 inline constexpr float kLeastLight = 38.0f;
 
-inline Rgba8 colorOf(std::uint32_t word, const LayerColors& layer, const ResolveSettings& settings) noexcept
+inline Rgba8 ownColorOf(std::uint32_t word, const LayerColors& layer, const ResolveSettings& settings) noexcept
 {
     switch (layer.kind) {
     case WordKind::Scalar: {
@@ -39,6 +39,18 @@ inline Rgba8 colorOf(std::uint32_t word, const LayerColors& layer, const Resolve
     case WordKind::Color: break;
     }
     return std::bit_cast<Rgba8>(word);
+}
+
+inline Rgba8 colorOf(std::uint32_t word, const LayerColors& layer, const ResolveSettings& settings) noexcept
+{
+    if (!layer.marked) return ownColorOf(word, layer, settings);
+    const std::uint32_t bit = selectedBit(layer.kind);
+    const bool color = layer.kind == WordKind::Color;
+    const bool selected = ((word & bit) != 0) != color;
+    const Rgba8 own = ownColorOf(color ? word | bit : word & ~bit, layer, settings);
+    if (!selected) return own;
+    const auto mixed = [](unsigned a, unsigned b) { return std::uint8_t((a + 3 * b) / 4); };
+    return {mixed(own.r, kSelectedColor.r), mixed(own.g, kSelectedColor.g), mixed(own.b, kSelectedColor.b), 255};
 }
 
 }  // namespace punctum::render

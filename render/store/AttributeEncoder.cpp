@@ -62,6 +62,31 @@ bool AttributeEncoder::encode(PointRange range, std::uint32_t* out) const
         out);
 }
 
+namespace
+{
+
+PointIndex pointAt(std::span<const std::uint32_t> indices, std::size_t k)
+{
+    return indices[k];
+}
+PointIndex pointAt(PointRange range, std::size_t k)
+{
+    return range.first + k;
+}
+
+}  // namespace
+
+template <typename Points>
+void AttributeEncoder::markSelected(const Points& points, std::size_t count, std::uint32_t* words) const
+{
+    const std::uint32_t bit = selectedBit(m_kind);
+    const bool inverse = m_kind == WordKind::Color;
+    for (std::size_t k = 0; k < count; ++k) {
+        const bool set = m_selection->contains(pointAt(points, k)) != inverse;
+        words[k] = set ? words[k] | bit : words[k] & ~bit;
+    }
+}
+
 /// `part(at, n)`: which points the n from `at` on are.
 template <typename Part>
 bool AttributeEncoder::encodeParts(std::size_t count, const Part& part, std::uint32_t* out) const
@@ -101,6 +126,7 @@ bool AttributeEncoder::encodeParts(std::size_t count, const Part& part, std::uin
                 seen |= bits;
             }
         }
+        if (m_selection) markSelected(points, n, words);
     }
     return seen <= 255;
 }

@@ -181,7 +181,9 @@ std::shared_ptr<const AttributeEncoder> PointStore::makeEncoder(const Attribute&
         for (std::uint32_t c = 0; color && c < 3; ++c)
             if (attribute.number(i, c) > 255) shift = 8;
     }
-    return std::make_shared<AttributeEncoder>(attribute, color ? 0.0 : bias, color ? shift : 0);
+    const auto encoder = std::make_shared<AttributeEncoder>(attribute, color ? 0.0 : bias, color ? shift : 0);
+    encoder->setSelection(m_selection);
+    return encoder;
 }
 
 std::shared_ptr<const AttributeEncoder> PointStore::encoderFor(PointRange range)
@@ -446,6 +448,27 @@ void PointStore::show(const Attribute& attribute)
         m_encoder = next;
     }
     markStale(nullptr);
+}
+
+void PointStore::setSelection(std::shared_ptr<const PointSet> selection)
+{
+    if (!selection && !m_selection) return;
+    if (!selection) selection = std::make_shared<PointSet>(m_cloud->size());
+    const auto before = std::exchange(m_selection, std::move(selection));
+    const auto current = encoder();
+    if (!current) return;
+    const auto next = std::make_shared<AttributeEncoder>(*current);
+    next->setSelection(m_selection);
+    {
+        const std::lock_guard lock(m_encoderMutex);
+        m_encoder = next;
+    }
+    // Words of other kinds say "not selected" from the beginning; of scalars the bit was a digit like others.
+    if (!before && current->kind() == WordKind::Scalar) return markStale(nullptr);
+    PointSet changed = *m_selection;
+    if (before)
+        for (std::size_t w = 0; w < changed.words().size(); ++w) changed.words()[w] ^= before->words()[w];
+    markStale(&changed);
 }
 
 void PointStore::markStale(const PointSet* points)

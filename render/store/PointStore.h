@@ -112,6 +112,8 @@ public:
     // -- the shown attribute
     /// Shows another attribute from now on: every slot becomes stale.
     void show(const Attribute& attribute);
+    /// Marks these points as selected; null: none. Only those that were not, or are no longer, become stale.
+    void setSelection(std::shared_ptr<const PointSet> selection);
     /// Null until the first points have come (or show() was called).
     std::shared_ptr<const AttributeEncoder> encoder() const;
     /// True when 16-bit colours turned up in a cloud that looked like 8-bit: show() it again.
@@ -143,6 +145,7 @@ private:
     Attribute m_classification;  ///< without columns when the cloud has none
     mutable std::mutex m_encoderMutex;
     std::shared_ptr<const AttributeEncoder> m_encoder;
+    std::shared_ptr<const PointSet> m_selection;  ///< null until anything was selected
     std::atomic<PointIndex> m_filled{0};
     std::atomic<bool> m_outgrown{false};
     std::atomic<bool> m_colorsOutgrown{false};  ///< some colour needs 16 bits

@@ -48,10 +48,10 @@ bool waitFor(const std::function<bool()>& done, int timeoutMs)
     return QTest::qWaitFor(done, timeoutMs);
 }
 
-TestWindow::TestWindow(ViewKind view)
+TestWindow::TestWindow(ViewKind view, const QString& settings)
 {
     WindowOptions options;
-    options.settingsFile = folder.filePath(QStringLiteral("settings.ini"));
+    options.settingsFile = settings.isEmpty() ? folder.filePath(QStringLiteral("settings.ini")) : settings;
     options.backend = render::BackendKind::Cpu;
     options.view = view;
     window = std::make_unique<MainWindow>(options);

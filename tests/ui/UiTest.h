@@ -27,7 +27,8 @@ struct TestWindow {
     QTemporaryDir folder;
     std::unique_ptr<MainWindow> window;
 
-    explicit TestWindow(ViewKind view = ViewKind::Automatic);
+    /// `settings`: an .ini file; empty: one of its own.
+    explicit TestWindow(ViewKind view = ViewKind::Automatic, const QString& settings = {});
     /// Opens and waits until all is loaded and drawn; null on failure.
     Document* open(const QString& path);
     /// Waits until the picture is finished, shows `attribute` (when not empty), and no job runs.

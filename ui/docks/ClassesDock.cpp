@@ -82,7 +82,7 @@ ClassesDock::ClassesDock(ViewSettings& settings, QWidget* parent)
         if (index.column() == ClassesModel::Color) chooseColor(index);
     });
     connect(m_view, &QTableView::doubleClicked, this, [this](const QModelIndex& index) {
-        if (index.column() >= ClassesModel::Code)
+        if (index.column() >= ClassesModel::Code && index.column() != ClassesModel::Locked)
             m_settings.showOnlyClass(index.data(ClassesModel::CodeRole).toUInt());
     });
 

@@ -66,6 +66,7 @@ QVariant ClassesModel::data(const QModelIndex& index, int role) const
     switch (role) {
         case Qt::CheckStateRole:
             if (index.column() == Visible) return visible ? Qt::Checked : Qt::Unchecked;
+            if (index.column() == Locked) return m_settings.classLocked(code) ? Qt::Checked : Qt::Unchecked;
             return {};
         case Qt::DecorationRole:
             if (index.column() == Color) {
@@ -96,6 +97,9 @@ QVariant ClassesModel::data(const QModelIndex& index, int role) const
                     return visible ? tr("Hide this class") : tr("Show this class");
                 case Color:
                     return tr("Click to choose another color");
+                case Locked:
+                    return m_settings.classLocked(code) ? tr("Let tools select this class again")
+                                                        : tr("Lock this class: tools leave its points alone");
                 default:
                     return tr("%1: %2").arg(classText(code), pointsText(countOf(code)));
             }
@@ -119,6 +123,8 @@ QVariant ClassesModel::headerData(int section, Qt::Orientation orientation, int 
             return tr("Class");
         case Count:
             return tr("Points");
+        case Locked:
+            return tr("Lock");
         default:
             return {};
     }
@@ -126,8 +132,14 @@ QVariant ClassesModel::headerData(int section, Qt::Orientation orientation, int 
 
 bool ClassesModel::setData(const QModelIndex& index, const QVariant& value, int role)
 {
-    if (!index.isValid() || role != Qt::CheckStateRole || index.column() != Visible) return false;
-    m_settings.setClassVisible(index.data(CodeRole).toUInt(), value.toInt() == Qt::Checked);
+    if (!index.isValid() || role != Qt::CheckStateRole) return false;
+    const bool on = value.toInt() == Qt::Checked;
+    if (index.column() == Visible)
+        m_settings.setClassVisible(index.data(CodeRole).toUInt(), on);
+    else if (index.column() == Locked)
+        m_settings.setClassLocked(index.data(CodeRole).toUInt(), on);
+    else
+        return false;
     return true;
 }
 
@@ -135,7 +147,7 @@ Qt::ItemFlags ClassesModel::flags(const QModelIndex& index) const
 {
     if (!index.isValid()) return Qt::NoItemFlags;
     Qt::ItemFlags flags = Qt::ItemIsEnabled | Qt::ItemIsSelectable | Qt::ItemNeverHasChildren;
-    if (index.column() == Visible) flags |= Qt::ItemIsUserCheckable;
+    if (index.column() == Visible || index.column() == Locked) flags |= Qt::ItemIsUserCheckable;
     return flags;
 }
 

@@ -13,12 +13,12 @@ namespace punctum::ui
 
 class ViewSettings;
 
-/// The classes that occur in one document: visible, colour, code, name, count; sorted by code. GUI thread only.
+/// The classes that occur in one document: visible, colour, code, name, count, locked; sorted by code. GUI thread only.
 class ClassesModel final : public QAbstractTableModel
 {
     Q_OBJECT
 public:
-    enum Column { Visible, Color, Code, Name, Count, Columns };
+    enum Column { Visible, Color, Code, Name, Count, Locked, Columns };
     enum Role { CodeRole = Qt::UserRole, CountRole };
 
     explicit ClassesModel(ViewSettings& settings, QObject* parent = nullptr);

@@ -8,6 +8,7 @@
 #include "ui/Text.h"
 #include "ui/Workspace.h"
 #include "ui/docks/AttributesModel.h"
+#include "ui/docks/Swatch.h"
 #include "ui/style/Icons.h"
 #include "ui/style/Theme.h"
 
@@ -16,7 +17,6 @@
 #include <QFormLayout>
 #include <QLabel>
 #include <QLineEdit>
-#include <QPainter>
 #include <QProgressBar>
 #include <QPushButton>
 #include <QScrollArea>
@@ -30,18 +30,6 @@ namespace punctum::ui
 
 namespace
 {
-
-QIcon swatchIcon(render::Rgba8 color)
-{
-    QPixmap pixmap(14, 14);
-    pixmap.fill(Qt::transparent);
-    QPainter painter(&pixmap);
-    painter.setRenderHint(QPainter::Antialiasing);
-    painter.setPen(Qt::NoPen);
-    painter.setBrush(QColor(color.r, color.g, color.b));
-    painter.drawRoundedRect(QRectF(1, 1, 12, 12), 3, 3);
-    return QIcon(pixmap);
-}
 
 /// The attribute that a rule sets; empty for a text that is no rule, which the step will say.
 QString targetOfRule(const QString& text)

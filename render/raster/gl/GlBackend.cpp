@@ -320,7 +320,7 @@ void GlBackend::runResolve(const FrameScene& scene, const ResolveSettings& setti
                 const LayerColors& colors = settings.layers[place.layer];
                 firstIds[k] = place.firstId;
                 counts[k] = chunk.slots;
-                kinds[k] = GLuint(colors.kind);
+                kinds[k] = GLuint(colors.kind) | (colors.marked ? 8u : 0u);
                 lows[k] = colors.low;
                 highs[k] = colors.high;
                 words = chunk.words.id();

@@ -18,7 +18,7 @@ layout(r32ui, binding = 1) writeonly uniform uimage2D picture;  // a colour pack
 
 layout(location = 0) uniform uvec4 firstIds;
 layout(location = 1) uniform uvec4 counts;  // 0: no such chunk
-layout(location = 2) uniform uvec4 kinds;   // WordKind
+layout(location = 2) uniform uvec4 kinds;   // WordKind, and 8 where selected points are marked
 layout(location = 3) uniform vec4 lows;
 layout(location = 4) uniform vec4 highs;
 layout(location = 5) uniform bool first;  // no sums yet
@@ -60,7 +60,7 @@ uvec4 categoryColor(uint id)
     return uvec4(hi, lo, down, 255u);
 }
 
-uvec4 colorOf(uint word, uint kind, float low, float high)
+uvec4 ownColorOf(uint word, uint kind, float low, float high)
 {
     if (kind == 0u) {
         if ((word & 0x7FFFFFFFu) > 0x7F800000u) return unpack(noValue);
@@ -79,6 +79,17 @@ uvec4 colorOf(uint word, uint kind, float low, float high)
         return uvec4(uvec3(min(38.0 + 217.0 * facing, 255.0) + 0.5), 255u);
     }
     return unpack(word);
+}
+
+uvec4 colorOf(uint word, uint kind, float low, float high)
+{
+    if (kind < 8u) return ownColorOf(word, kind, low, high);
+    kind -= 8u;
+    const bool color = kind == 3u;
+    const uint bit = kind == 0u ? 1u : color ? 1u << 24 : 1u << 31;
+    const bool selected = ((word & bit) != 0u) != color;
+    const uvec4 own = ownColorOf(color ? word | bit : word & ~bit, kind, low, high);
+    return selected ? uvec4((own.rgb + 3u * uvec3(255u, 214u, 64u)) / 4u, 255u) : own;
 }
 
 void main()

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// punctum replay: does again what a journal of the window tells, on the file that it was begun with.
+#include "core/process/Replay.h"
+#include "app/Console.h"
+#include "app/Files.h"
+#include "app/commands/Command.h"
+#include "core/Error.h"
+#include "core/Text.h"
+#include "core/edit/History.h"
+#include "core/las/Writer.h"
+#include "core/task/Progress.h"
+
+#include <memory>
+
+namespace punctum::app
+{
+
+namespace
+{
+
+struct ReplayOptions {
+    std::string journal;
+    std::string in;
+    std::string out;
+    bool list = false;
+    bool upgrade = false;
+    bool noVerify = false;
+    bool json = false;
+};
+
+void listJournal(const JournalContents& journal, bool json)
+{
+    if (json) {
+        Json entries = Json::array();
+        for (const JournalEntry& entry : journal.entries) switch (entry.kind) {
+                case JournalEntry::Kind::Undo:
+                    entries.push_back({{"kind", "undo"}});
+                    break;
+                case JournalEntry::Kind::Redo:
+                    entries.push_back({{"kind", "redo"}});
+                    break;
+                case JournalEntry::Kind::Do:
+                    entries.push_back({{"kind", "do"},
+                                       {"name", entry.name},
+                                       {"step", entry.recipe.step},
+                                       {"values", entry.recipe.values},
+                                       {"points_changed", entry.changed}});
+            }
+        printJson({{"file", journal.file},
+                   {"points", journal.key.points},
+                   {"entries", entries},
+                   {"in_force", journal.inForce()},
+                   {"damage", journal.damage.empty() ? Json(nullptr) : Json(journal.damage)}});
+        return;
+    }
+    std::string text = "Journal of " + journal.file + ", " + pointsText(journal.key.points) + "\n";
+    for (const JournalEntry& entry : journal.entries) switch (entry.kind) {
+            case JournalEntry::Kind::Undo:
+                text += "  undo\n";
+                break;
+            case JournalEntry::Kind::Redo:
+                text += "  redo\n";
+                break;
+            case JournalEntry::Kind::Do:
+                text += "  " + entry.name + ": " + pointsText(entry.changed) + "\n";
+        }
+    print(text);
+}
+
+void runReplay(const ReplayOptions& options, Progress& progress)
+{
+    if (!options.list) checkCloudName(options.out);
+    const JournalContents journal = readJournal(options.journal);
+    if (!journal.damage.empty()) note(journal.damage);
+    if (options.list) {
+        listJournal(journal, options.json);
+        return;
+    }
+    const auto cloud = loadForWriting(options.in, options.out, progress);
+    History history(cloud);
+    const Replayed replayed = replay(journal, *cloud, history, progress);
+    if (!replayed.stopped.empty()) note(replayed.stopped);
+    const bool whole = journal.damage.empty() && replayed.stopped.empty();
+    if (!options.json)
+        note(grouped(replayed.entries) + (replayed.entries == 1 ? " entry" : " entries") +
+             " of the journal followed.");
+    las::WriteOptions write;
+    write.compressed = las::isCompressedName(options.out);
+    write.verify = !options.noVerify;
+    write.upgrade = options.upgrade;
+    reportWritten(writeCloud(*cloud, options.out, write, progress), options.out, options.json,
+                  {{"entries", replayed.entries}, {"whole", whole}});
+    if (!whole) throw Reported();
+}
+
+}  // namespace
+
+void addReplay(CLI::App& root, Action& action)
+{
+    CLI::App& command =
+        addCommand(root, "replay",
+                   "Do again what a journal tells, on the file that it was begun with, and write the "
+                   "result. The window keeps a journal of unsaved edits. Exit code 1 when not all of "
+                   "it could be followed; what could is written.");
+    const auto options = std::make_shared<ReplayOptions>();
+    command.add_option("JOURNAL", options->journal, "Journal to follow")->required();
+    CLI::Option* in =
+        command.add_option("IN", options->in, "The LAS or LAZ file as it was when the journal was begun");
+    CLI::Option* out =
+        command.add_option("-o,--output", options->out, "File to write: .las or .laz")->type_name("OUT");
+    command.add_flag("--list", options->list, "List what the journal tells, and do nothing else");
+    addUpgrade(command, options->upgrade);
+    command.add_flag("--no-verify", options->noVerify,
+                     "Do not read the written file back before it takes its name");
+    command.add_flag("--json", options->json, "Report in JSON");
+    command.callback([=, &action] {
+        if (!options->list) {
+            if (in->empty()) throw CLI::RequiredError("IN");
+            if (out->empty()) throw CLI::RequiredError("-o OUT");
+        }
+        action = [options](Progress& p) { runReplay(*options, p); };
+    });
+}
+
+}  // namespace punctum::app

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "core/edit/PackedSet.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+namespace punctum
+{
+
+namespace
+{
+
+constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+void put(std::vector<std::uint8_t>& out, std::uint64_t v)
+{
+    for (; v >= 128; v >>= 7) out.push_back(std::uint8_t(v | 128));
+    out.push_back(std::uint8_t(v));
+}
+
+bool take(const std::vector<std::uint8_t>& in, std::size_t& at, std::uint64_t& v)
+{
+    v = 0;
+    for (int shift = 0; shift < 64 && at < in.size(); shift += 7) {
+        const std::uint8_t byte = in[at++];
+        if (shift == 63 && byte > 1) return false;
+        v |= std::uint64_t(byte & 127) << shift;
+        if (byte < 128) return true;
+    }
+    return false;
+}
+
+/// The first point from `from` on that is a member (or none, with `member` false); size() when there is no more.
+PointIndex next(const PointSet& points, PointIndex from, bool member)
+{
+    const auto words = points.words();
+    for (std::size_t w = std::size_t(from / 64); w < words.size(); ++w) {
+        std::uint64_t bits = member ? words[w] : ~words[w];
+        if (w == from / 64) bits &= ~std::uint64_t(0) << (from % 64);
+        if (bits != 0) return std::min(points.size(), PointIndex(w * 64 + std::size_t(std::countr_zero(bits))));
+    }
+    return points.size();
+}
+
+}  // namespace
+
+PackedSet::PackedSet(const PointSet& points) : m_size(points.size())
+{
+    PointIndex at = 0;
+    for (;;) {
+        const PointIndex first = next(points, at, true);
+        if (first >= m_size) break;
+        const PointIndex last = next(points, first, false);
+        put(m_runs, first - at);
+        put(m_runs, last - first);
+        at = last;
+    }
+    m_runs.shrink_to_fit();
+}
+
+/// Calls f(first, last) for each run; false when they leave the cloud or end in their middle.
+template <typename F>
+bool PackedSet::forRuns(F f) const
+{
+    PointIndex point = 0;
+    for (std::size_t at = 0; at < m_runs.size();) {
+        std::uint64_t left = 0, count = 0;
+        if (!take(m_runs, at, left) || !take(m_runs, at, count)) return false;
+        if (left > m_size - point || count == 0 || count > m_size - point - left) return false;
+        point += left;
+        f(point, point + count);
+        point += count;
+    }
+    return true;
+}
+
+PointSet PackedSet::unpacked() const
+{
+    PointSet points(m_size);
+    const auto words = points.words();
+    forRuns([&](PointIndex first, PointIndex last) {
+        while (first < last) {
+            const PointIndex end = std::min(last, (first / 64 + 1) * 64);
+            const std::uint64_t n = end - first;
+            words[first / 64] |= (n == 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << n) - 1) << (first % 64);
+            first = end;
+        }
+    });
+    return points;
+}
+
+std::string PackedSet::text() const
+{
+    std::string text;
+    text.reserve((m_runs.size() + 2) / 3 * 4);
+    for (std::size_t k = 0; k < m_runs.size(); k += 3) {
+        const std::size_t n = std::min<std::size_t>(3, m_runs.size() - k);
+        std::uint32_t bits = 0;
+        for (std::size_t b = 0; b < 3; ++b) bits = bits << 8 | (b < n ? m_runs[k + b] : 0u);
+        for (std::size_t d = 0; d < 4; ++d) text += d <= n ? kDigits[bits >> (18 - 6 * d) & 63u] : '=';
+    }
+    return text;
+}
+
+std::optional<PackedSet> PackedSet::fromText(std::string_view text, PointIndex size)
+{
+    if (text.size() % 4 != 0) return {};
+    PackedSet set;
+    set.m_size = size;
+    set.m_runs.reserve(text.size() / 4 * 3);
+    for (std::size_t k = 0; k < text.size(); k += 4) {
+        std::uint32_t bits = 0;
+        std::size_t filled = 0;
+        for (std::size_t d = 0; d < 4; ++d) {
+            const std::size_t digit = kDigits.find(text[k + d]);
+            const bool pad = text[k + d] == '=' && k + 4 == text.size() && d >= 2;
+            if ((digit == std::string_view::npos && !pad) || (!pad && filled != d)) return {};
+            bits = bits << 6 | std::uint32_t(pad ? 0 : digit);
+            if (!pad) ++filled;
+        }
+        for (std::size_t b = 0; b + 1 < filled; ++b) set.m_runs.push_back(std::uint8_t(bits >> (16 - 8 * b)));
+    }
+    if (!set.forRuns([](PointIndex, PointIndex) {})) return {};
+    return set;
+}
+
+}  // namespace punctum

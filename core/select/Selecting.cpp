@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: MIT
+#include "core/select/Selecting.h"
+
+#include "core/cloud/Slabs.h"
+#include "core/process/KdOrder.h"
+#include "core/task/Progress.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <mutex>
+
+namespace punctum
+{
+
+namespace
+{
+
+constexpr std::size_t kBlock = 1024;  ///< points projected at a time: fills the first cache, and is vectorized
+
+/// Projects blocks of points, and looks up their px.
+class RegionTest
+{
+public:
+    RegionTest(const Region& region, const PointCloud& cloud)
+        : m_region(region),
+          m_box(region.mask.box()),
+          m_x(cloud.rawX().data()),
+          m_y(cloud.rawY().data()),
+          m_z(cloud.rawZ().data())
+    {
+    }
+
+    bool empty() const noexcept { return m_box.empty(); }
+
+    /// 1 for the points inside; of kBlock values those behind points.size() are 0.
+    void test(PointRange points, std::uint8_t* flags) const
+    {
+        alignas(64) std::array<double, kBlock> px, py, depth;
+        const PictureProjection& p = m_region.projection;
+        const auto n = std::size_t(points.size());
+        const std::int32_t *const x = m_x + points.first, *const y = m_y + points.first,
+                                  *const z = m_z + points.first;
+        const glm::dvec3 base = p.base;
+        const glm::dvec4 rx = p.rowX, ry = p.rowY, rd = p.rowD;
+        for (std::size_t k = 0; k < n; ++k) {
+            const double a = x[k] - base.x, b = y[k] - base.y, c = z[k] - base.z;
+            px[k] = rx.x * a + rx.y * b + rx.z * c + rx.w;
+            py[k] = ry.x * a + ry.y * b + ry.z * c + ry.w;
+            depth[k] = rd.x * a + rd.y * b + rd.z * c + rd.w;
+        }
+        if (p.perspective)
+            for (std::size_t k = 0; k < n; ++k) {
+                px[k] /= depth[k];
+                py[k] /= depth[k];
+            }
+        const double left = m_box.left, right = m_box.right, top = m_box.top, bottom = m_box.bottom;
+        const double nearest = std::max(p.nearDepth, m_region.nearest), furthest = m_region.furthest;
+        for (std::size_t k = 0; k < n; ++k)
+            flags[k] = std::uint8_t(std::uint8_t(px[k] >= left) & std::uint8_t(px[k] < right) &
+                                    std::uint8_t(py[k] >= top) & std::uint8_t(py[k] < bottom) &
+                                    std::uint8_t(depth[k] >= nearest) & std::uint8_t(depth[k] <= furthest));
+        const std::uint8_t* const mask = m_region.mask.px().data();
+        const auto width = std::size_t(m_region.mask.width());
+        for (std::size_t k = 0; k < n; ++k)
+            if (flags[k]) flags[k] = mask[std::size_t(py[k]) * width + std::size_t(px[k])];
+        std::fill(flags + n, flags + kBlock, std::uint8_t(0));
+    }
+
+private:
+    const Region& m_region;
+    ScreenMask::Box m_box;
+    const std::int32_t *m_x, *m_y, *m_z;
+};
+
+/// Looks at the classes of the points of one word after another.
+class TouchTest
+{
+public:
+    TouchTest(const PointCloud& cloud, const Touchable& touchable) : m_touchable(touchable)
+    {
+        const bool all = std::all_of(touchable.classes.begin(), touchable.classes.end(), [](bool b) { return b; });
+        const Attribute* const found = all ? nullptr : cloud.findAttribute("Classification");
+        if (found == nullptr || found->columns[0]->components() != 1) return;
+        m_classes = *found;
+    }
+
+    /// The members of a word that may be touched. Hold cloud.mutex() shared.
+    std::uint64_t operator()(std::size_t word, std::uint64_t bits) const
+    {
+        if (m_touchable.hidden) bits &= ~m_touchable.hidden->words()[word];
+        if (bits == 0 || !m_classes.columns[0]) return bits;
+        std::array<std::uint32_t, 64> codes;
+        const PointRange points{PointIndex(word) * 64, std::min(PointIndex(word) * 64 + 64, m_classes.size())};
+        m_classes.gatherBits(points, codes.data());
+        std::uint64_t kept = 0;
+        for (std::uint64_t left = bits; left != 0; left &= left - 1) {
+            const auto k = unsigned(std::countr_zero(left));
+            if (m_touchable.classes[codes[k] & 255u]) kept |= std::uint64_t(1) << k;
+        }
+        return kept;
+    }
+
+private:
+    const Touchable& m_touchable;
+    Attribute m_classes;
+};
+
+/// Sets and counts are looked at in parallel, piece by piece.
+constexpr std::size_t kPieceWords = 1 << 14;
+
+template <typename F>
+void forPieces(std::size_t words, F f)
+{
+    tbb::parallel_for(std::size_t(0), (words + kPieceWords - 1) / kPieceWords, [&](std::size_t piece) {
+        const std::size_t first = piece * kPieceWords;
+        f(first, std::min(words, first + kPieceWords));
+    });
+}
+
+/// Members of the set, one piece of `words` after another, in parallel: visit(point) from worker threads. Checks
+/// for cancel between points, as one may have many neighbors.
+template <typename Visit>
+void forMembers(const PointSet& points, Progress& progress, Visit visit)
+{
+    constexpr std::size_t kMemberWords = 64;
+    const std::size_t words = points.words().size();
+    tbb::parallel_for(std::size_t(0), (words + kMemberWords - 1) / kMemberWords, [&](std::size_t piece) {
+        const std::size_t first = piece * kMemberWords, last = std::min(words, first + kMemberWords);
+        points.forEachInWords(first, last, [&](PointIndex i) {
+            if (!progress.cancelled()) visit(i);
+        });
+        progress.add(std::min(points.size(), PointIndex(last) * 64) - PointIndex(first) * 64);
+    });
+    progress.check();
+}
+
+void insertAtomically(PointSet& set, PointIndex i)
+{
+    std::atomic_ref(set.words()[i / 64]).fetch_or(std::uint64_t(1) << (i % 64), std::memory_order_relaxed);
+}
+
+/// Members of `from` -> the points within the distance that are not in `known` yet, which they join.
+PointSet step(const PointSet& from, PointSet& known, const KdOrder& order, double distance, Progress& progress)
+{
+    PointSet found(from.size());
+    forMembers(from, progress, [&](PointIndex i) {
+        thread_local std::vector<KdOrder::Found> near;
+        if (!order.within(std::uint32_t(i), distance, near, progress)) return;
+        for (const KdOrder::Found& f : near)
+            if (!known.contains(f.point)) insertAtomically(found, f.point);
+    });
+    combine(known, found, SelectMode::Add);
+    return found;
+}
+
+}  // namespace
+
+PointSet pointsIn(const Region& region, const PointCloud& cloud, const Touchable& touchable, Progress& progress)
+{
+    PointSet points(cloud.size());
+    const RegionTest inside(region, cloud);
+    progress.begin("Selecting", cloud.size());
+    if (inside.empty()) return points;
+    forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
+        constexpr std::size_t kBlockWords = kBlock / 64;
+        const TouchTest touch(cloud, touchable);
+        alignas(64) std::array<std::uint8_t, kBlock> flags;
+        for (std::size_t w = firstWord; w < lastWord; w += kBlockWords) {
+            const std::size_t end = std::min(lastWord, w + kBlockWords);
+            inside.test({PointIndex(w) * 64, std::min(cloud.size(), PointIndex(end) * 64)}, flags.data());
+            for (std::size_t k = w; k < end; ++k)
+                if (const std::uint64_t bits = packFlags(flags.data() + (k - w) * 64); bits != 0)
+                    points.words()[k] = touch(k, bits);
+        }
+    });
+    return points;
+}
+
+void keepTouchable(PointSet& points, const PointCloud& cloud, const Touchable& touchable, Progress& progress)
+{
+    progress.begin("Selecting", cloud.size());
+    forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
+        const TouchTest touch(cloud, touchable);
+        for (std::size_t w = firstWord; w < lastWord; ++w)
+            if (points.words()[w] != 0) points.words()[w] = touch(w, points.words()[w]);
+    });
+}
+
+void combine(PointSet& selection, const PointSet& found, SelectMode mode)
+{
+    const auto ours = selection.words();
+    const auto theirs = found.words();
+    forPieces(ours.size(), [&](std::size_t first, std::size_t last) {
+        switch (mode) {
+            case SelectMode::Replace:
+                std::copy(theirs.begin() + std::ptrdiff_t(first), theirs.begin() + std::ptrdiff_t(last),
+                          ours.begin() + std::ptrdiff_t(first));
+                break;
+            case SelectMode::Add:
+                for (std::size_t w = first; w < last; ++w) ours[w] |= theirs[w];
+                break;
+            case SelectMode::Subtract:
+                for (std::size_t w = first; w < last; ++w) ours[w] &= ~theirs[w];
+                break;
+            case SelectMode::Intersect:
+                for (std::size_t w = first; w < last; ++w) ours[w] &= theirs[w];
+        }
+    });
+}
+
+void invert(PointSet& selection)
+{
+    const auto words = selection.words();
+    forPieces(words.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t w = first; w < last; ++w) words[w] = ~words[w];
+    });
+    if (selection.size() % 64 != 0) words.back() &= (std::uint64_t(1) << (selection.size() % 64)) - 1;
+}
+
+PointIndex countWithout(const PointSet& a, const PointSet& b)
+{
+    PointIndex n = 0;
+    for (std::size_t w = 0; w < a.words().size(); ++w) n += PointIndex(std::popcount(a.words()[w] & ~b.words()[w]));
+    return n;
+}
+
+PointSet grown(const PointSet& points, const KdOrder& order, double distance, Progress& progress)
+{
+    progress.begin("Growing the selection", points.size());
+    PointSet all = points;
+    step(points, all, order, distance, progress);
+    return all;
+}
+
+PointSet shrunk(const PointSet& points, const KdOrder& order, double distance, Progress& progress)
+{
+    progress.begin("Shrinking the selection", points.size());
+    PointSet edge(points.size());
+    forMembers(points, progress, [&](PointIndex i) {
+        thread_local std::vector<KdOrder::Found> near;
+        if (!order.within(std::uint32_t(i), distance, near, progress)) return;
+        if (std::any_of(near.begin(), near.end(),
+                        [&](const KdOrder::Found& f) { return !points.contains(f.point); }))
+            insertAtomically(edge, i);
+    });
+    PointSet left = points;
+    combine(left, edge, SelectMode::Subtract);
+    return left;
+}
+
+PointSet connected(const PointSet& points, const KdOrder& order, double distance, Progress& progress)
+{
+    PointSet all = points, edge = points;
+    for (PointIndex found = 1; found != 0; found = edge.count()) {
+        progress.begin("Following connected points", points.size());
+        edge = step(edge, all, order, distance, progress);
+    }
+    return all;
+}
+
+}  // namespace punctum

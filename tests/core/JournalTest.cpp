@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: MIT
+// The journal: what it keeps comes back, damage is found and told, and a program that is killed at any moment loses
+// nothing that it had finished. Called with --edit, the test is that program.
+#include "core/edit/Journal.h"
+
+#include "core/Error.h"
+#include "core/edit/History.h"
+#include "core/edit/PackedSet.h"
+#include "core/process/MakeCommand.h"
+#include "core/process/Replay.h"
+#include "core/task/Progress.h"
+#include "tests/core/MadeCloud.h"
+
+#include <QProcess>
+#include <QTemporaryDir>
+#include <QTest>
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <fstream>
+
+using namespace punctum;
+
+namespace
+{
+
+constexpr PointIndex kPoints = 20'011;
+
+std::shared_ptr<PointCloud> makeCloud()
+{
+    const auto cloud = makeFrame(kPoints);
+    const auto intensity = addScalar<std::uint16_t>(*cloud, "Intensity");
+    addScalar<std::uint64_t>(*cloud, "Big id");
+    std::mt19937_64 random(1);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (std::int32_t& v : rawAxis(*cloud, axis)) v = std::int32_t(random() % 10'000);
+    for (std::uint16_t& v : intensity) v = std::uint16_t(random());
+    return cloud;
+}
+
+/// The k-th of a row of random edits; nothing for an undo (1) or redo (2).
+struct Edit {
+    int kind = 0;
+    Recipe recipe;
+};
+Edit editOf(std::uint64_t seed, int k)
+{
+    std::mt19937_64 random(seed * 1000 + std::uint64_t(k));
+    Edit edit;
+    edit.kind = random() % 8 == 0 ? 1 : random() % 8 == 0 ? 2 : 0;
+    const auto set = [&] {
+        auto points = std::make_shared<PointSet>(kPoints);
+        const bool runs = random() % 2 == 0;
+        for (PointIndex i = random() % 50; i < kPoints; i += 1 + random() % (runs ? 3 : 400)) points->insert(i);
+        return points;
+    };
+    edit.recipe.step = "set";
+    switch (random() % 4) {
+        case 0:
+            edit.recipe.values["rule"] = "Classification = " + std::to_string(random() % 32);
+            edit.recipe.within = set();
+            break;
+        case 1:
+            edit.recipe.values["rule"] =
+                "Intensity = Intensity + 1 if Z > " + std::to_string(random() % 10) + " and Intensity < 60000";
+            break;
+        case 2:
+            edit.recipe.values["rule"] =
+                "\"Big id\" = \"Big id\" * 3 % 1000003 + " + std::to_string(random() % 1000);
+            edit.recipe.within = set();
+            break;
+        default:
+            edit.recipe.step = "reclassify";
+            edit.recipe.values = {{"attribute", "Intensity"},
+                                  {"min", "0"},
+                                  {"max", std::to_string(random() % 65000)},
+                                  {"class", std::to_string(random() % 32)}};
+    }
+    return edit;
+}
+
+/// Does an edit; false when it changed nothing, and so is no entry.
+bool follow(History& history, const PointCloud& cloud, const Edit& edit)
+{
+    Progress progress;
+    if (edit.kind == 1) {
+        if (!history.canUndo()) return false;
+        history.undo();
+        return true;
+    }
+    if (edit.kind == 2) {
+        if (!history.canRedo()) return false;
+        history.redo();
+        return true;
+    }
+    auto command = makeCommand(edit.recipe, cloud, progress);
+    if (!command) return false;
+    history.push(std::move(command));
+    return true;
+}
+
+/// Edits until it is killed, and says after each entry that it is there.
+int editForever(const char* path, std::uint64_t seed)
+{
+    const auto cloud = makeCloud();
+    Progress progress;
+    History history(cloud);
+    history.setJournal(Journal::create(path, keyOf(*cloud, progress), "made"));
+    for (int k = 0;; ++k)
+        if (follow(history, *cloud, editOf(seed, k)) && ::write(STDOUT_FILENO, ".", 1) != 1) return 1;
+}
+
+std::string complaint(const std::function<void()>& work)
+{
+    try {
+        work();
+    } catch (const Error& e) {
+        return e.what();
+    }
+    return "no error";
+}
+
+std::string bytesOf(const std::string& path)
+{
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+void putBytes(const std::string& path, const std::string& bytes)
+{
+    std::ofstream(path, std::ios::binary) << bytes;
+}
+
+}  // namespace
+
+class JournalTest : public QObject
+{
+    Q_OBJECT
+private slots:
+    void setsArePackedAndComeBack()
+    {
+        std::mt19937_64 random(2);
+        for (const PointIndex size : {0u, 1u, 63u, 64u, 65u, 1000u, 100'003u})
+            for (const unsigned sparse : {1u, 2u, 17u, 900u}) {
+                PointSet points(size);
+                for (PointIndex i = 0; i < size; ++i)
+                    if (random() % sparse == 0) points.insert(i);
+                const PackedSet packed(points);
+                QVERIFY(packed.unpacked() == points);
+                const auto back = PackedSet::fromText(packed.text(), size);
+                QVERIFY(back && back->unpacked() == points);
+                if (size > 0 && points.contains(size - 1)) QVERIFY(!PackedSet::fromText(packed.text(), size - 1));
+            }
+        for (const char* text : {"A", "====", "AA=A", "!!!!", "////", "gICAgICAgICAAQE="})
+            QVERIFY2(!PackedSet::fromText(text, 100), text);
+        PointSet all(1'000'000);
+        for (PointIndex i = 0; i < all.size(); ++i) all.insert(i);
+        QVERIFY(PackedSet(all).bytes() < 8);
+    }
+
+    void keysTellCloudsApart()
+    {
+        Progress progress;
+        const CloudKey key = keyOf(*makeCloud(), progress);
+        QVERIFY(keyOf(*makeCloud(), progress) == key);
+        const auto other = makeCloud();
+        rawAxis(*other, 1)[kPoints - 1] ^= 1;
+        QVERIFY(!(keyOf(*other, progress) == key));
+        const auto moved = makeFrame(3, {glm::dvec3(0.001), glm::dvec3(1.0, 0, 0)});
+        QVERIFY(!(keyOf(*moved, progress) == keyOf(*makeFrame(3), progress)));
+    }
+
+    void whatWasDoneIsDoneAgain()
+    {
+        const QTemporaryDir folder;
+        const std::string path = folder.filePath(QStringLiteral("a.journal")).toStdString();
+        const auto cloud = makeCloud();
+        Progress progress;
+        History history(cloud);
+        history.setJournal(Journal::create(path, keyOf(*cloud, progress), "/some where/a%20b.las"));
+        QVERIFY(isJournalInUse(path));
+        std::size_t entries = 0;
+        for (int k = 0; k < 120; ++k) entries += follow(history, *cloud, editOf(3, k)) ? 1 : 0;
+        QCOMPARE(history.journal()->failure(), std::string());
+        QVERIFY(complaint([&] { Journal::resume(path); }).find("another window") != std::string::npos);
+
+        const JournalContents contents = readJournal(path);
+        QCOMPARE(contents.damage, std::string());
+        QCOMPARE(contents.entries.size(), entries);
+        QCOMPARE(contents.file, std::string("/some where/a%20b.las"));
+        auto names = history.names();
+        names.resize(history.position());
+        QVERIFY(contents.inForce() == names);
+
+        const auto again = makeCloud();
+        History second(again);
+        const Replayed replayed = replay(contents, *again, second, progress);
+        QCOMPARE(replayed.stopped, std::string());
+        QCOMPARE(replayed.entries, entries);
+        QVERIFY(snapshot(*again) == snapshot(*cloud));
+        QCOMPARE(second.position(), history.position());
+        while (second.canUndo()) second.undo();
+        QVERIFY(snapshot(*again) == snapshot(*makeCloud()));
+        QVERIFY(complaint([&] { replay(contents, *cloud, history, progress); }).find("another file") !=
+                std::string::npos);
+
+        // it goes on where it ended
+        history.setJournal(nullptr);
+        {
+            const auto third = makeCloud();
+            History resumed(third);
+            replay(contents, *third, resumed, progress);
+            resumed.setJournal(Journal::resume(path));
+            follow(resumed, *third, editOf(4, 1));
+            const auto fourth = makeCloud();
+            History last(fourth);
+            replay(readJournal(path), *fourth, last, progress);
+            QVERIFY(snapshot(*third) == snapshot(*fourth));
+            resumed.journal()->remove();
+        }
+        QVERIFY(!std::filesystem::exists(path));
+    }
+
+    void stepsThatChangeOtherPointsAreToldApart()
+    {
+        const QTemporaryDir folder;
+        const std::string path = folder.filePath(QStringLiteral("a.journal")).toStdString();
+        const auto cloud = makeCloud();
+        Progress progress;
+        History history(cloud);
+        history.setJournal(Journal::create(path, keyOf(*cloud, progress), "a"));
+        follow(history, *cloud, {0, {"set", {{"rule", "Classification = 2 if Z > 5"}}, nullptr}});
+        follow(history, *cloud, {0, {"set", {{"rule", "Classification = 3 if Z > 2"}}, nullptr}});
+        JournalContents contents = readJournal(path);
+        contents.entries[1].changed += 1;
+        const auto again = makeCloud();
+        History second(again);
+        const Replayed replayed = replay(contents, *again, second, progress);
+        QCOMPARE(replayed.entries, std::size_t(1));
+        QVERIFY(replayed.stopped.find("cannot be done again") != std::string::npos);
+        QCOMPARE(second.position(), std::size_t(1));
+    }
+
+    void undoneSavesEndTheJournal()
+    {
+        const QTemporaryDir folder;
+        const std::string path = folder.filePath(QStringLiteral("a.journal")).toStdString();
+        const auto cloud = makeCloud();
+        Progress progress;
+        History history(cloud);
+        follow(history, *cloud, {0, {"set", {{"rule", "Classification = 2 if Z > 5"}}, nullptr}});
+        history.markSaved();
+        history.setJournal(Journal::create(path, keyOf(*cloud, progress), "a"));
+        history.undo();
+        QVERIFY(history.journal()->failure().find("has been undone") != std::string::npos);
+        follow(history, *cloud, {0, {"set", {{"rule", "Classification = 3 if Z > 5"}}, nullptr}});
+        QVERIFY(readJournal(path).entries.empty());
+    }
+
+    void damageIsFoundAndTold()
+    {
+        const QTemporaryDir folder;
+        const std::string path = folder.filePath(QStringLiteral("a.journal")).toStdString();
+        const auto cloud = makeCloud();
+        Progress progress;
+        History history(cloud);
+        history.setJournal(Journal::create(path, keyOf(*cloud, progress), "a"));
+        std::size_t entries = 0;
+        for (int k = 0; k < 12; ++k) entries += follow(history, *cloud, editOf(7, k)) ? 1 : 0;
+        history.setJournal(nullptr);
+        const std::string whole = bytesOf(path);
+        std::vector<std::size_t> ends;  // of lines
+        for (std::size_t at = whole.find('\n'); at != std::string::npos; at = whole.find('\n', at + 1))
+            ends.push_back(at + 1);
+        QCOMPARE(ends.size(), entries + 2);
+        const auto wholeLines = [&](std::size_t bytes) {
+            return std::size_t(std::upper_bound(ends.begin(), ends.end(), bytes) - ends.begin());
+        };
+        std::mt19937_64 random(5);
+        for (int round = 0; round < 600; ++round) {
+            std::string broken = whole;
+            const std::size_t at = random() % whole.size();
+            const bool cut = round % 2 == 0;
+            if (cut)
+                broken.resize(at);
+            else
+                broken[at] = char(broken[at] ^ (1 << random() % 8));
+            putBytes(path, broken);
+            const std::size_t sound = wholeLines(at);
+            if (sound < 2) {
+                QVERIFY(complaint([&] { readJournal(path); }) != "no error");
+                continue;
+            }
+            const JournalContents contents = readJournal(path);
+            QCOMPARE(contents.entries.size(), sound - 2);
+            const bool clean = cut && ends[sound - 1] == at;  // cut between two lines: nothing to see
+            QCOMPARE(contents.damage.empty(), clean);
+            if (round % 20 != 0 || clean) continue;
+            // it can be gone on with: the damage is cut off
+            Journal::resume(path);
+            QCOMPARE(bytesOf(path), whole.substr(0, ends[sound - 1]));
+        }
+        // a line that is missing or exchanged is found by the line behind it
+        putBytes(path, whole.substr(0, ends[3]) + whole.substr(ends[4]));
+        QCOMPARE(readJournal(path).entries.size(), std::size_t(2));
+        QVERIFY(!readJournal(path).damage.empty());
+        putBytes(path, "something else\n");
+        QVERIFY(complaint([&] { readJournal(path); }).find("no journal") != std::string::npos);
+    }
+
+    void aFullDiskStopsTheJournalAndNotTheEdit()
+    {
+        if (!std::filesystem::exists("/dev/full")) QSKIP("There is no /dev/full here.");
+        const auto cloud = makeCloud();
+        QVERIFY(complaint([] {
+                    Journal::create("/dev/full", {kPoints, 1}, "a");
+                }).find("cannot be written") != std::string::npos);
+    }
+
+    void killedAtRandomMomentsNothingIsLost()
+    {
+        const QTemporaryDir folder;
+        std::mt19937_64 random(std::random_device{}());
+        const auto before = snapshot(*makeCloud());
+        std::size_t most = 0;
+        for (std::uint64_t round = 0; round < 100; ++round) {
+            const QString path = folder.filePath(QStringLiteral("%1.journal").arg(round));
+            QProcess child;
+            child.start(QCoreApplication::applicationFilePath(),
+                        {QStringLiteral("--edit"), path, QString::number(round)});
+            QVERIFY(child.waitForReadyRead(30'000));
+            QTest::qSleep(int(random() % 25));
+            ::kill(pid_t(child.processId()), SIGKILL);
+            child.waitForFinished();
+            const auto said = std::size_t(child.readAllStandardOutput().size());
+
+            const JournalContents contents = readJournal(path.toStdString());
+            const std::size_t kept = contents.entries.size();
+            // what was begun when it was killed may be there, too
+            QVERIFY2(kept == said || kept == said + 1, qPrintable(QStringLiteral("%1 of %2").arg(kept).arg(said)));
+            most = std::max(most, kept);
+            const auto expected = makeCloud(), got = makeCloud();
+            History one(expected), two(got);
+            std::size_t done = 0;
+            for (int k = 0; done < kept; ++k) done += follow(one, *expected, editOf(round, k)) ? 1 : 0;
+            Progress progress;
+            const Replayed replayed = replay(contents, *got, two, progress);
+            QCOMPARE(replayed.stopped, std::string());
+            QVERIFY(snapshot(*got) == snapshot(*expected));
+        }
+        qInfo("up to %zu edits before the kill", most);
+        QVERIFY(most > 1);
+    }
+};
+
+int main(int argc, char** argv)
+{
+    if (argc == 4 && std::string_view(argv[1]) == "--edit")
+        return editForever(argv[2], std::strtoull(argv[3], nullptr, 10));
+    QCoreApplication application(argc, argv);
+    JournalTest test;
+    return QTest::qExec(&test, argc, argv);
+}
+#include "JournalTest.moc"

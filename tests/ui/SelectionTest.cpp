@@ -1,0 +1,481 @@
+// SPDX-License-Identifier: MIT
+// Selecting and editing by real mouse and key events, against plain loops over all points of a real file.
+#include "UiTest.h"
+
+#include "core/edit/History.h"
+#include "core/expression/Condition.h"
+#include "core/task/Progress.h"
+#include "ui/MainMenu.h"
+#include "ui/Recovery.h"
+#include "ui/ViewSettings.h"
+#include "ui/Viewport.h"
+#include "ui/Workspace.h"
+#include "ui/select/EditDock.h"
+#include "ui/select/SelectBar.h"
+#include "ui/select/SelectTools.h"
+#include "ui/select/Selection.h"
+
+#include <QCheckBox>
+#include <QDir>
+#include <QFile>
+#include <QLineEdit>
+#include <QPushButton>
+#include <QWheelEvent>
+
+#include <cmath>
+#include <functional>
+#include <vector>
+
+using namespace punctum;
+using namespace punctum::ui;
+using namespace punctum::ui::test;
+
+namespace
+{
+
+const QString kAutzen = QStringLiteral("autzen_trim.laz");
+using Tool = SelectTools::Tool;
+
+/// A window with the file open, seen from above.
+struct Bench : TestWindow {
+    Document* document = nullptr;
+
+    explicit Bench(const QString& settings = {}) : TestWindow(ViewKind::Automatic, settings) {}
+
+    bool begin(Tool tool, const QString& file = dataFile(kAutzen))
+    {
+        document = open(file);
+        if (document == nullptr) return false;
+        window->activateWindow();
+        if (!QTest::qWaitForWindowActive(window.get())) return false;
+        window->viewport().setFocus();
+        window->selectTools().setTool(tool);
+        return settle();
+    }
+    Viewport& view() { return window->viewport(); }
+    Selection& selection() { return window->selection(); }
+    bool done()
+    {
+        return waitFor([&] { return !selection().busy() && !window->workspace().busy(); }) && settle();
+    }
+    std::shared_ptr<const PointSet> points() { return selection().points(document); }
+
+    QPoint at(double x, double y) { return {int(view().width() * x), int(view().height() * y)}; }
+    void press(QPoint p, Qt::KeyboardModifiers m = {}) { QTest::mousePress(&view(), Qt::LeftButton, m, p); }
+    void move(QPoint p)
+    {
+        QMouseEvent event(QEvent::MouseMove, QPointF(p), view().mapToGlobal(QPointF(p)), Qt::NoButton,
+                          Qt::LeftButton, Qt::NoModifier);
+        QApplication::sendEvent(&view(), &event);
+    }
+    void release(QPoint p, Qt::KeyboardModifiers m = {}) { QTest::mouseRelease(&view(), Qt::LeftButton, m, p); }
+    void drag(QPoint from, QPoint to, Qt::KeyboardModifiers m = {})
+    {
+        press(from, m);
+        for (int k = 1; k <= 4; ++k) move(from + (to - from) * k / 4);
+        release(to, m);
+    }
+    void click(QPoint p) { QTest::mouseClick(&view(), Qt::LeftButton, {}, p); }
+    void key(Qt::Key k) { QTest::keyClick(&view(), k); }
+    void wheel(QPoint p, int notches)
+    {
+        QWheelEvent event(QPointF(p), view().mapToGlobal(QPointF(p)), {}, QPoint(0, 120 * notches), Qt::NoButton,
+                          Qt::NoModifier, Qt::NoScrollPhase, false);
+        QApplication::sendEvent(&view(), &event);
+    }
+    bool runEdit(const std::function<void()>& edit)
+    {
+        const std::size_t before = document->data()->history->position();
+        edit();
+        return waitFor([&] { return document->data()->history->position() > before; }) && done();
+    }
+
+    glm::dvec2 px(PointIndex i)
+    {
+        const QSize size = view().pictureSize();
+        return view().camera().project(document->cloud()->world(i), {size.width(), size.height()});
+    }
+    /// The points whose px (its middle, in px of the picture) satisfies `in`, and that satisfy `may`.
+    /// Compares; what lies on the edge of a px by less than a thousandth may go either way.
+    QString unlike(
+        const PointSet* got, const std::function<bool(glm::dvec2)>& in,
+        const std::function<bool(PointIndex)>& may = [](PointIndex) { return true; })
+    {
+        const QSize size = view().pictureSize();
+        PointIndex found = 0;
+        for (PointIndex i = 0; i < document->points(); ++i) {
+            const glm::dvec2 p = px(i);
+            const bool shown = p.x >= 0 && p.y >= 0 && p.x < size.width() && p.y < size.height();
+            const bool expected = shown && may(i) && in(glm::dvec2(std::floor(p.x) + 0.5, std::floor(p.y) + 0.5));
+            found += expected ? 1 : 0;
+            const bool edge = std::abs(p.x - std::round(p.x)) < 1e-3 || std::abs(p.y - std::round(p.y)) < 1e-3;
+            if ((got != nullptr && got->contains(i)) != expected && !edge)
+                return QStringLiteral("point %1 at %2 %3 expected %4").arg(i).arg(p.x).arg(p.y).arg(expected);
+        }
+        return found > 100 ? QString() : QStringLiteral("only %1 points are expected").arg(found);
+    }
+    double ratio() { return view().devicePixelRatioF(); }
+};
+
+bool insidePolygon(const std::vector<glm::dvec2>& corners, glm::dvec2 p)
+{
+    bool in = false;
+    for (std::size_t k = 0, j = corners.size() - 1; k < corners.size(); j = k++) {
+        const glm::dvec2 a = corners[k], b = corners[j];
+        if ((a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x) in = !in;
+    }
+    return in;
+}
+
+#define NEED_AUTZEN() \
+    if (dataFile(kAutzen).isEmpty()) QSKIP("autzen_trim.laz is not here.")
+#define SAME(what)                                    \
+    do {                                              \
+        const QString wrong = (what);                 \
+        QVERIFY2(wrong.isEmpty(), qPrintable(wrong)); \
+    } while (false)
+
+}  // namespace
+
+class SelectionTest : public QObject
+{
+    Q_OBJECT
+private slots:
+    void rectangleAndModes()
+    {
+        NEED_AUTZEN();
+        Bench b;
+        QVERIFY(b.begin(Tool::None));
+        b.key(Qt::Key_R);  // the tool's own key
+        QCOMPARE(b.window->selectTools().tool(), Tool::Rectangle);
+        const auto before = b.frame();
+        const auto in = [&](QPoint from, QPoint to) {
+            return [=, r = b.ratio()](glm::dvec2 p) {
+                return p.x >= std::min(from.x(), to.x()) * r && p.x < std::max(from.x(), to.x()) * r &&
+                       p.y >= std::min(from.y(), to.y()) * r && p.y < std::max(from.y(), to.y()) * r;
+            };
+        };
+        const QPoint a1 = b.at(0.3, 0.3), a2 = b.at(0.55, 0.6), b1 = b.at(0.7, 0.4), b2 = b.at(0.45, 0.75);
+        const auto first = in(a1, a2), second = in(b1, b2);
+        b.drag(a1, a2);
+        QVERIFY(b.done());
+        SAME(b.unlike(b.points().get(), first));
+        QCOMPARE(b.selection().count(), b.points()->count());
+        QVERIFY(b.window->selectBar().countText().contains(QLatin1String("selected")));
+        QVERIFY(waitFor([&] { return difference(before->image, b.frame()->image) > 0.005; }));  // the tint
+
+        b.drag(b1, b2, Qt::ShiftModifier);
+        QVERIFY(b.done());
+        SAME(b.unlike(b.points().get(), [&](glm::dvec2 p) { return first(p) || second(p); }));
+        b.drag(a1, a2, Qt::ControlModifier);
+        QVERIFY(b.done());
+        SAME(b.unlike(b.points().get(), [&](glm::dvec2 p) { return second(p) && !first(p); }));
+        b.selection().setMode(SelectMode::Intersect);
+        const QPoint c1 = b.at(0.5, 0.5), c2 = b.at(0.65, 0.7);
+        b.drag(c1, c2);
+        QVERIFY(b.done());
+        SAME(b.unlike(b.points().get(), [&](glm::dvec2 p) { return second(p) && !first(p) && in(c1, c2)(p); }));
+        const PointIndex some = b.selection().count();
+        b.window->selection().invert();
+        QVERIFY(b.done());
+        QCOMPARE(b.selection().count(), b.document->points() - some);
+        b.selection().clear();
+        QVERIFY(b.settle());
+        QVERIFY(waitFor([&] { return b.frame()->image == before->image; }));
+    }
+
+    void polygonByClicks()
+    {
+        NEED_AUTZEN();
+        Bench b;
+        QVERIFY(b.begin(Tool::Polygon));
+        const std::vector<QPoint> clicks{b.at(0.3, 0.3), b.at(0.6, 0.25), b.at(0.7, 0.6), b.at(0.5, 0.5),
+                                         b.at(0.35, 0.7)};
+        std::vector<glm::dvec2> corners;
+        for (const QPoint& p : clicks) corners.push_back({p.x() * b.ratio(), p.y() * b.ratio()});
+        const auto in = [&](glm::dvec2 p) { return insidePolygon(corners, p); };
+        for (const QPoint& p : clicks) b.click(p);
+        QCOMPARE(b.window->selectTools().corners(), clicks.size());
+        b.click(b.at(0.9, 0.9));
+        b.key(Qt::Key_Backspace);  // that one was wrong
+        QCOMPARE(b.window->selectTools().corners(), clicks.size());
+        b.key(Qt::Key_Return);
+        QVERIFY(b.done());
+        SAME(b.unlike(b.points().get(), in));
+        const auto byEnter = b.points();
+
+        b.selection().clear();
+        for (const QPoint& p : clicks) b.click(p);
+        QTest::mouseClick(&b.view(), Qt::RightButton, {}, b.at(0.4, 0.4));
+        QVERIFY(b.done());
+        QVERIFY(b.points() && *b.points() == *byEnter);
+        QCOMPARE(b.window->selectTools().corners(), std::size_t(0));
+
+        // Escape gives up the shape, then the tool
+        b.click(b.at(0.1, 0.1));
+        b.click(b.at(0.9, 0.1));
+        b.key(Qt::Key_Escape);
+        QVERIFY(b.done());
+        QVERIFY(b.points() && *b.points() == *byEnter);
+        QCOMPARE(b.window->selectTools().tool(), Tool::Polygon);
+        b.key(Qt::Key_Escape);
+        QCOMPARE(b.window->selectTools().tool(), Tool::None);
+    }
+
+    void lassoAndBrush()
+    {
+        NEED_AUTZEN();
+        Bench b;
+        QVERIFY(b.begin(Tool::Lasso));
+        std::vector<glm::dvec2> corners;
+        for (int k = 0; k < 24; ++k) {
+            const double angle = k * 0.2618;
+            const QPoint p = b.at(0.5 + 0.17 * std::cos(angle), 0.5 + 0.2 * std::sin(angle) * std::cos(angle / 3));
+            corners.push_back({p.x() * b.ratio(), p.y() * b.ratio()});
+            k == 0 ? b.press(p) : b.move(p);
+            if (k == 23) b.release(p);
+        }
+        QVERIFY(b.done());
+        SAME(b.unlike(b.points().get(), [&](glm::dvec2 p) { return insidePolygon(corners, p); }));
+
+        b.window->selectTools().setTool(Tool::Brush);
+        const double small = b.window->selectTools().brushRadius();
+        b.wheel(b.at(0.4, 0.5), 3);
+        const double radius = b.window->selectTools().brushRadius() * b.ratio();
+        QVERIFY(radius > small * b.ratio() * 1.3);
+        const QPoint from = b.at(0.4, 0.4), to = b.at(0.6, 0.55);
+        b.drag(from, to);
+        QVERIFY(b.done());
+        // moves go by whole px: the way is what the mouse told
+        std::vector<glm::dvec2> way{{double(from.x()), double(from.y())}};
+        for (int k = 1; k <= 4; ++k) {
+            const QPoint p = from + (to - from) * k / 4;
+            way.push_back({double(p.x()), double(p.y())});
+        }
+        SAME(b.unlike(b.points().get(), [&](glm::dvec2 p) {
+            for (std::size_t k = 0; k + 1 < way.size(); ++k) {
+                const glm::dvec2 a = way[k] * b.ratio(), step = way[k + 1] * b.ratio() - a, q = p - a;
+                const double length = step.x * step.x + step.y * step.y;
+                const double t = std::clamp((q.x * step.x + q.y * step.y) / length, 0.0, 1.0);
+                if (std::hypot(q.x - t * step.x, q.y - t * step.y) <= radius) return true;
+            }
+            return false;
+        }));
+    }
+
+    void spaceMovesTheCamera()
+    {
+        NEED_AUTZEN();
+        Bench b;
+        QVERIFY(b.begin(Tool::Rectangle));
+        const render::Camera before = b.view().camera();
+        QTest::keyPress(&b.view(), Qt::Key_Space);
+        b.drag(b.at(0.4, 0.4), b.at(0.6, 0.5));
+        QTest::keyRelease(&b.view(), Qt::Key_Space);
+        QVERIFY(!(b.view().camera() == before));
+        QVERIFY(b.done());
+        QVERIFY(!b.points());
+        const render::Camera moved = b.view().camera();
+        b.drag(b.at(0.4, 0.4), b.at(0.6, 0.5));
+        QVERIFY(b.done());
+        QVERIFY(b.points());
+        QVERIFY(b.view().camera() == moved);
+    }
+
+    void hiddenAndLockedClassesAreLeftAlone()
+    {
+        NEED_AUTZEN();
+        Bench b;
+        QVERIFY(b.begin(Tool::Rectangle));
+        const Attribute classes = *b.document->findAttribute(QStringLiteral("Classification"));
+        const QPoint from = b.at(0.2, 0.2), to = b.at(0.8, 0.8);
+        const auto in = [=, r = b.ratio()](glm::dvec2 p) {
+            return p.x >= from.x() * r && p.x < to.x() * r && p.y >= from.y() * r && p.y < to.y() * r;
+        };
+        b.window->viewSettings().setClassLocked(2, true);
+        b.drag(from, to);
+        QVERIFY(b.done());
+        SAME(b.unlike(b.points().get(), in, [&](PointIndex i) { return classes.number(i) != 2; }));
+        b.window->viewSettings().setClassLocked(2, false);
+        b.window->viewSettings().setClassVisible(1, false);
+        QVERIFY(b.settle());
+        b.drag(from, to);
+        QVERIFY(b.done());
+        SAME(b.unlike(b.points().get(), in, [&](PointIndex i) { return classes.number(i) != 1; }));
+        b.selection().selectAll();
+        QVERIFY(b.done());
+        b.points()->forEach([&](PointIndex i) { QVERIFY(classes.number(i) != 1); });
+    }
+
+    void visibleSurfaceAndHiddenCount()
+    {
+        NEED_AUTZEN();
+        Bench b;
+        QVERIFY(b.begin(Tool::Rectangle));
+        render::Camera front = b.view().camera();
+        QVERIFY(front.setView("front"));  // trees before trees
+        const QSize size = b.view().pictureSize();
+        front.fit(b.document->bounds(), {size.width(), size.height()});
+        b.view().setCamera(front);
+        QVERIFY(b.settle());
+        b.drag(b.at(0.1, 0.3), b.at(0.9, 0.7));
+        QVERIFY(b.done());
+        const auto through = b.points();
+        const PointIndex hidden = b.selection().hiddenCount();
+        QVERIFY(hidden > 1000);
+        b.selection().setDepth(Selection::Depth::Visible);
+        b.drag(b.at(0.1, 0.3), b.at(0.9, 0.7));
+        QVERIFY(b.done());
+        QCOMPARE(b.selection().hiddenCount(), PointIndex(0));
+        QCOMPARE(b.selection().count(), through->count() - hidden);
+        QCOMPARE(countWithout(*b.points(), *through), PointIndex(0));
+
+        b.selection().setDepth(Selection::Depth::Slab);
+        b.selection().setSlabThickness(40.0);
+        b.drag(b.at(0.1, 0.3), b.at(0.9, 0.7));
+        QVERIFY(b.done());
+        const render::Camera camera = b.view().camera();
+        const double middle = camera.project(camera.pivot, {size.width(), size.height()}).z;
+        QVERIFY(b.points() && b.points()->count() > 100 && b.points()->count() < through->count());
+        int unlike = 0;
+        through->forEach([&](PointIndex i) {
+            const double depth =
+                camera.project(b.document->cloud()->world(i), {size.width(), size.height()}).z - middle;
+            const bool edge = std::abs(std::abs(depth) - 20.0) < 0.01;
+            unlike += !edge && b.points()->contains(i) != (std::abs(depth) <= 20.0) ? 1 : 0;
+        });
+        QCOMPARE(unlike, 0);
+    }
+
+    void keysSetClassesAndUndoBringsThemBack()
+    {
+        NEED_AUTZEN();
+        Bench b;
+        QVERIFY(b.begin(Tool::Rectangle));
+        const Attribute classes = *b.document->findAttribute(QStringLiteral("Classification"));
+        std::vector<int> before(b.document->points());
+        for (PointIndex i = 0; i < before.size(); ++i) before[i] = int(classes.number(i));
+        b.drag(b.at(0.3, 0.3), b.at(0.6, 0.6));
+        QVERIFY(b.done());
+        const auto points = b.points();
+        QVERIFY(b.runEdit([&] { b.key(Qt::Key_6); }));
+        for (PointIndex i = 0; i < before.size(); ++i)
+            QCOMPARE(int(classes.number(i)), points->contains(i) ? 6 : before[i]);
+        QVERIFY(b.window->isWindowModified());
+        QCOMPARE(b.document->data()->history->undoName(), std::string("Set Classification = 6"));
+        QTest::keyClick(&b.view(), Qt::Key_Z, Qt::ControlModifier);
+        QVERIFY(waitFor([&] { return b.document->data()->history->position() == 0; }) && b.done());
+        for (PointIndex i = 0; i < before.size(); ++i) QCOMPARE(int(classes.number(i)), before[i]);
+        // from one class to another
+        QVERIFY(b.runEdit([&] { b.window->editDock().setClass(9, 2); }));
+        for (PointIndex i = 0; i < before.size(); ++i)
+            QCOMPARE(int(classes.number(i)), points->contains(i) && before[i] == 2 ? 9 : before[i]);
+    }
+
+    /// What a program that was killed leaves is offered when the file is opened again, and done again.
+    void editsComeBackAfterACrash()
+    {
+        NEED_AUTZEN();
+        const QTemporaryDir folder;
+        const QString file = folder.filePath(QStringLiteral("a.laz")),
+                      settings = folder.filePath(QStringLiteral("s.ini"));
+        const QDir journals(folder.filePath(QStringLiteral("journals")));
+        QVERIFY(QFile::copy(dataFile(kAutzen), file));
+        const auto found = [&] { return journals.entryList({QStringLiteral("*.journal")}, QDir::Files); };
+        std::vector<double> expected;
+        const QString kept = folder.filePath(QStringLiteral("kept"));
+        QString name;
+        {
+            Bench b(settings);
+            QVERIFY(b.begin(Tool::Rectangle, file));
+            QVERIFY(found().isEmpty());  // nothing has been done yet
+            b.drag(b.at(0.3, 0.3), b.at(0.6, 0.6));
+            QVERIFY(b.done());
+            QVERIFY(b.runEdit([&] { b.key(Qt::Key_6); }));
+            QVERIFY(b.runEdit([&] { b.window->editDock().setClass(9, 6); }));
+            QTest::keyClick(&b.view(), Qt::Key_Z, Qt::ControlModifier);
+            QVERIFY(waitFor([&] { return b.document->data()->history->position() == 1; }) && b.done());
+            const Attribute classes = *b.document->findAttribute(QStringLiteral("Classification"));
+            for (PointIndex i = 0; i < b.document->points(); ++i) expected.push_back(classes.number(i));
+            QCOMPARE(found().size(), 1);
+            name = found().front();
+            QVERIFY(QFile::copy(journals.filePath(name), kept));  // the moment of the crash
+        }
+        QVERIFY(found().isEmpty());  // that end was in order
+        QVERIFY(QFile::copy(kept, journals.filePath(name)));
+        {
+            Bench b(settings);
+            QString told;
+            b.window->workspace().recovery().ask = [&](const QString&, const QString& reason, const QString&,
+                                                       std::function<void(bool)> answer) {
+                told = reason;
+                answer(true);
+            };
+            QVERIFY(b.begin(Tool::None, file));
+            QVERIFY(waitFor([&] { return b.document->data()->history->position() == 1; }) && b.done());
+            QVERIFY2(told.contains(QLatin1String("this edit of a.laz")), qPrintable(told));
+            QVERIFY2(told.contains(QLatin1String("Set Classification = 6")), qPrintable(told));
+            const Attribute classes = *b.document->findAttribute(QStringLiteral("Classification"));
+            for (PointIndex i = 0; i < b.document->points(); ++i) QCOMPARE(classes.number(i), expected[i]);
+            QVERIFY(b.window->isWindowModified());
+            QCOMPARE(found().size(), 1);
+            b.window->save();  // then there is nothing to recover
+            QVERIFY(waitFor([&] { return found().isEmpty(); }) && b.done());
+            QVERIFY(!b.window->isWindowModified());
+        }
+        // the journal is of the file as it was: of the one that was saved it is not
+        QVERIFY(QFile::copy(kept, journals.filePath(name)));
+        Bench b(settings);
+        b.window->workspace().recovery().ask = [](const QString&, const QString&, const QString&,
+                                                  const std::function<void(bool)>&) {
+            QFAIL("asked for another file");
+        };
+        QVERIFY(b.begin(Tool::None, file));
+        QVERIFY(b.done());
+        QCOMPARE(b.document->data()->history->position(), std::size_t(0));
+    }
+
+    void rulesSelectPreviewAndApply()
+    {
+        NEED_AUTZEN();
+        Bench b;
+        QVERIFY(b.begin(Tool::None));
+        EditDock& dock = b.window->editDock();
+        dock.show();
+        dock.raise();
+        const auto holds = [&](const std::string& text) {
+            Progress progress;
+            return *expression::select(*b.document->cloud(), expression::Condition(text, *b.document->cloud()),
+                                       progress);
+        };
+        const PointSet expected = holds("Z > 420 and Classification == 1");
+        dock.rule().setFocus();
+        QTest::keyClicks(&dock.rule(), QStringLiteral("Z > 420 and Classification == 1"));
+        QTest::mouseClick(&dock.selectButton(), Qt::LeftButton);
+        QVERIFY(b.done());
+        QVERIFY(b.points() && *b.points() == expected);
+
+        dock.rule().clear();
+        QTest::keyClicks(&dock.rule(), QStringLiteral("Classification = 5 if Z > 425"));
+        const PointSet high = holds("Z > 425 and Classification != 5");
+        QTest::mouseClick(&dock.previewButton(), Qt::LeftButton);
+        QVERIFY(waitFor([&] { return dock.resultText().contains(QLatin1String("would change")); }) && b.done());
+        QVERIFY(b.points() && *b.points() == high);
+        QVERIFY(!b.window->isWindowModified());
+        QVERIFY(b.runEdit([&] { QTest::mouseClick(&dock.applyButton(), Qt::LeftButton); }));
+        const Attribute classes = *b.document->findAttribute(QStringLiteral("Classification"));
+        high.forEach([&](PointIndex i) { QCOMPARE(classes.number(i), 5.0); });
+        QCOMPARE(holds("Classification == 5").count(), high.count());
+
+        dock.rule().clear();
+        QTest::keyClicks(&dock.rule(), QStringLiteral("Clasification = 5"));
+        QTest::mouseClick(&dock.applyButton(), Qt::LeftButton);
+        QVERIFY(waitFor([&] { return dock.resultText().contains(QLatin1String("did you mean Classification?")); }));
+    }
+};
+
+int main(int argc, char** argv)
+{
+    return runUiTest(argc, argv, [] { return std::make_unique<SelectionTest>(); });
+}
+#include "SelectionTest.moc"

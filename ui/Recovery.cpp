@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+#include "ui/Recovery.h"
+
+#include "core/Error.h"
+#include "core/edit/History.h"
+#include "core/process/Replay.h"
+#include "core/task/Progress.h"
+#include "ui/Document.h"
+#include "ui/Text.h"
+#include "ui/Workspace.h"
+
+#include <algorithm>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+constexpr const char* kEnding = ".journal";
+constexpr const char* kDeclined = ".declined";
+
+/// Whether the folder has a journal of a cloud with so many points: only then it is worth reading them all.
+bool mayHaveJournal(const std::filesystem::path& folder, PointIndex points)
+{
+    const std::string beginning = std::to_string(points) + "-";
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with(beginning) && name.ends_with(kEnding)) return true;
+    }
+    return false;
+}
+
+/// "Set Classification = 2, Reclassify to 6 Building and 3 more".
+QString listed(const std::vector<std::string>& names)
+{
+    constexpr std::size_t kMost = 4;
+    QStringList parts;
+    for (std::size_t k = 0; k < std::min(kMost, names.size()); ++k) parts << toQString(names[k]);
+    const QString list = parts.join(QStringLiteral(", "));
+    return names.size() > kMost ? Recovery::tr("%1 and %2 more").arg(list, countText(names.size() - kMost)) : list;
+}
+
+}  // namespace
+
+Recovery::Recovery(Workspace& workspace, std::filesystem::path folder)
+    : m_workspace(workspace), m_folder(std::move(folder))
+{
+}
+
+std::filesystem::path Recovery::pathOf(const CloudKey& key) const
+{
+    return m_folder / (key.text() + kEnding);
+}
+
+void Recovery::warn(const QString& sentence)
+{
+    QMetaObject::invokeMethod(
+        this, [this, sentence] { m_workspace.say(MessageKind::Warning, sentence); }, Qt::QueuedConnection);
+}
+
+void Recovery::noteDown(OpenCloud& data, bool edit, Progress& progress) noexcept
+{
+    if (m_folder.empty()) return;
+    const auto tell = [&](const std::string& reason) {
+        if (std::exchange(data.journalTold, true)) return;
+        warn(tr("A crash would lose the edits from here on: %1").arg(toQString(reason)));
+    };
+    try {
+        if (const auto journal = data.history->journal()) {
+            if (const std::string failure = journal->failure(); !failure.empty()) tell(failure);
+            return;
+        }
+        if (!edit || data.history->modified())
+            return tell(
+                "what was saved is being undone, and a journal begins with what is in the file. Save once.");
+        const CloudKey key = keyOf(*data.cloud, progress);
+        data.history->setJournal(Journal::create(pathOf(key), key, data.path.string()));
+        data.journalTold = false;
+    } catch (const std::exception& e) {  // cancelled as well: the edit will be, too
+        if (!progress.cancelled()) tell(e.what());
+    }
+}
+
+void Recovery::saved(OpenCloud& data) noexcept
+{
+    closed(data);
+    data.journalTold = false;
+}
+
+void Recovery::closed(OpenCloud& data) noexcept
+{
+    if (const auto journal = data.history->journal()) journal->remove();
+    data.history->setJournal(nullptr);
+}
+
+void Recovery::look(Document& document)
+{
+    if (m_folder.empty() || document.recovered()) return;
+    struct Found {
+        std::filesystem::path path;
+        std::shared_ptr<JournalContents> journal;
+    };
+    const auto found = std::make_shared<Found>();
+    m_workspace.startJob(
+        tr("Look for unsaved edits of %1").arg(document.name()),
+        [this, data = document.data(), found](Progress& progress) {
+            if (!mayHaveJournal(m_folder, data->cloud->size())) return;
+            const std::lock_guard gate(data->editGate);
+            if (data->history->position() != 0) return;  // somebody was quicker
+            const auto path = pathOf(keyOf(*data->cloud, progress));
+            if (!std::filesystem::exists(path) || isJournalInUse(path)) return;
+            found->journal = std::make_shared<JournalContents>(readJournal(path));
+            found->path = path;
+        },
+        [this, found, target = QPointer<Document>(&document)](const JobInfo& info) {
+            if (info.state == JobState::Failed) m_workspace.say(MessageKind::Warning, toQString(info.error));
+            if (target && found->journal) offer(*target, found->path, found->journal);
+        },
+        true);
+}
+
+void Recovery::offer(Document& document, const std::filesystem::path& path,
+                     std::shared_ptr<JournalContents> journal)
+{
+    const auto names = journal->inForce();
+    if (!ask || (names.empty() && journal->damage.empty())) return;
+    QString reason =
+        names.size() == 1
+            ? tr("The program ended before this edit of %1 was saved: %2.").arg(document.name(), listed(names))
+            : tr("The program ended before %1 edits of %2 were saved: %3.")
+                  .arg(countText(names.size()), document.name(), listed(names));
+    if (!journal->damage.empty()) reason += QLatin1Char(' ') + toQString(journal->damage);
+    reason += QLatin1Char(' ') +
+              tr("Recovering does them again; they can be undone. Otherwise the journal is set aside.");
+    ask(tr("Recover unsaved edits?"), reason, tr("&Recover"),
+        [this, target = QPointer<Document>(&document), path, journal](bool wanted) {
+            if (!target) return;
+            if (wanted) return recover(*target, path, journal);
+            m_workspace.startJob(
+                tr("Set the journal aside"),
+                [path](Progress&) {
+                    std::error_code ignored;
+                    std::filesystem::rename(path, path.string() + kDeclined, ignored);
+                },
+                {}, true);
+        });
+}
+
+void Recovery::recover(Document& document, const std::filesystem::path& path,
+                       const std::shared_ptr<const JournalContents>& journal)
+{
+    const auto replayed = std::make_shared<Replayed>();
+    m_workspace.startJob(
+        tr("Recover edits of %1").arg(document.name()),
+        [data = document.data(), path, journal, replayed](Progress& progress) {
+            const std::lock_guard gate(data->editGate);
+            ++data->edits;
+            *replayed = replay(*journal, *data->cloud, *data->history, progress);
+            // what could not be followed stays in the file, for punctum replay
+            if (replayed->stopped.empty()) data->history->setJournal(Journal::resume(path));
+        },
+        [this, journal, replayed, target = QPointer<Document>(&document)](const JobInfo& info) {
+            if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
+            if (!target) return;
+            m_workspace.edited(*target);
+            if (info.state != JobState::Finished) return;
+            if (!replayed->stopped.empty())
+                m_workspace.say(MessageKind::Warning,
+                                tr("Not all edits could be recovered: %1").arg(toQString(replayed->stopped)));
+            else
+                m_workspace.say(
+                    MessageKind::Info,
+                    tr("The unsaved edits of %1 are back: %2.").arg(target->name(), listed(journal->inForce())));
+        });
+}
+
+}  // namespace punctum::ui

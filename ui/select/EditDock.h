@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/task/Jobs.h"
+
+#include <QDockWidget>
+#include <QPointer>
+
+#include <array>
+#include <optional>
+
+class QCheckBox;
+class QComboBox;
+class QDoubleSpinBox;
+class QLabel;
+class QLineEdit;
+class QPushButton;
+
+namespace punctum::ui
+{
+
+class Document;
+class Selection;
+class Workspace;
+
+/// Changes what is selected: its class, or any attribute by a rule, which can be looked at first; and selects by
+/// rule and by neighbors. Each change is one command that can be undone. GUI thread only.
+class EditDock final : public QDockWidget
+{
+    Q_OBJECT
+public:
+    EditDock(Workspace& workspace, Selection& selection, QWidget* parent = nullptr);
+
+    void setDocument(Document* document);
+    /// Gives the selected points the class; those of class `from` alone, when it is given.
+    void setClass(unsigned to, std::optional<unsigned> from = {});
+    QLineEdit& rule() noexcept { return *m_rule; }
+    QCheckBox& selectedOnly() noexcept { return *m_selectedOnly; }
+    QPushButton& previewButton() noexcept { return *m_preview; }
+    QPushButton& applyButton() noexcept { return *m_apply; }
+    QPushButton& selectButton() noexcept { return *m_select; }
+    /// What the last action said.
+    QString resultText() const;
+
+private:
+    QWidget* makeClassPart();
+    QWidget* makeRulePart();
+    QWidget* makeNeighborPart();
+    void fillClasses();
+    void applyRule();
+    void previewRule();
+    void selectByRule();
+    void say(const QString& text);
+    void takeState();
+    /// Runs the rule's command, and applies it or not.
+    void runRule(const QString& rule, bool withinSelection, const QString& title);
+
+    Workspace& m_workspace;
+    Selection& m_selection;
+    QPointer<Document> m_document;
+    QComboBox* m_from;
+    QComboBox* m_to;
+    QPushButton* m_setClass;
+    QLineEdit* m_rule;
+    QCheckBox* m_selectedOnly;
+    QPushButton* m_select;
+    QPushButton* m_preview;
+    QPushButton* m_apply;
+    QDoubleSpinBox* m_distance;
+    std::array<QPushButton*, 3> m_neighbors{};
+    QLabel* m_result;
+    JobId m_job = 0;
+};
+
+}  // namespace punctum::ui

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+#include "ui/select/SelectBar.h"
+
+#include "ui/MainMenu.h"
+#include "ui/MainWindow.h"
+#include "ui/Text.h"
+#include "ui/Workspace.h"
+#include "ui/select/EditDock.h"
+#include "ui/select/Selection.h"
+#include "ui/style/Icons.h"
+
+#include <QActionGroup>
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QLabel>
+#include <QMenu>
+#include <QToolBar>
+
+namespace punctum::ui
+{
+
+SelectBar::SelectBar(MainWindow& window, Selection& selection, SelectTools& tools)
+    : QObject(&window),
+      m_window(window),
+      m_menu(window.menu()),
+      m_selection(selection),
+      m_tools(tools),
+      m_select(&m_menu.insertMenu(tr("&Select"))),
+      m_bar(new QToolBar(tr("Select"))),
+      m_toolActions(new QActionGroup(this)),
+      m_mode(new QComboBox),
+      m_depth(new QComboBox),
+      m_slab(new QDoubleSpinBox),
+      m_count(new QLabel)
+{
+    m_bar->setObjectName(QStringLiteral("select"));
+    m_bar->setMovable(false);
+    m_bar->setIconSize(QSize(20, 20));
+    m_window.addToolBarBreak();
+    m_window.addToolBar(m_bar);
+
+    using Tool = SelectTools::Tool;
+    m_toolActions->setExclusionPolicy(QActionGroup::ExclusionPolicy::ExclusiveOptional);
+    addTool(Tool::Rectangle, tr("&Rectangle"), QStringLiteral("select-rectangle"), Qt::Key_R,
+            tr("Select with a rectangle: drag over the view"));
+    addTool(Tool::Polygon, tr("&Polygon"), QStringLiteral("select-polygon"), Qt::Key_P,
+            tr("Select with a polygon: click its corners; Enter or the right button closes it"));
+    addTool(Tool::Lasso, tr("&Lasso"), QStringLiteral("select-lasso"), Qt::Key_O,
+            tr("Select with a line drawn by hand"));
+    addTool(Tool::Brush, tr("&Brush"), QStringLiteral("select-brush"), Qt::Key_B,
+            tr("Select by painting; the wheel changes the size of the brush"));
+    addActions();
+    addChoices();
+
+    connect(&m_selection, &Selection::changed, this, &SelectBar::takeCount);
+    connect(&m_selection, &Selection::settingsChanged, this, &SelectBar::takeSettings);
+    connect(&m_tools, &SelectTools::toolChanged, this, [this](Tool tool) {
+        for (QAction* action : m_toolActions->actions()) action->setChecked(Tool(action->data().toInt()) == tool);
+    });
+    takeSettings();
+    takeCount();
+}
+
+void SelectBar::addTool(SelectTools::Tool tool, const QString& text, const QString& icon, Qt::Key key,
+                        const QString& tip)
+{
+    QAction* action = m_menu.add(m_select, text, icon, {QKeySequence(key)}, tip, [] {});
+    action->setCheckable(true);
+    action->setData(int(tool));
+    m_toolActions->addAction(action);
+    m_menu.needsDocument(action);
+    m_bar->addAction(action);
+    connect(action, &QAction::toggled, this, [this, tool](bool on) {
+        if (on)
+            m_tools.setTool(tool);
+        else if (m_tools.tool() == tool)
+            m_tools.setTool(SelectTools::Tool::None);
+        m_window.focusView();
+    });
+}
+
+void SelectBar::addActions()
+{
+    m_select->addSeparator();
+    const auto add = [this](const QString& text, QKeySequence keys, const QString& tip, std::function<void()> act) {
+        m_menu.needsDocument(m_menu.add(m_select, text, {}, {keys}, tip, std::move(act)));
+    };
+    add(tr("Select &All"), QKeySequence(QKeySequence::SelectAll),
+        tr("Select all points that are shown and not locked"), [this] { m_selection.selectAll(); });
+    add(tr("Select &None"), QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_A), {}, [this] { m_selection.clear(); });
+    add(tr("&Invert"), QKeySequence(Qt::CTRL | Qt::Key_I), tr("Select what is not selected"),
+        [this] { m_selection.invert(); });
+    m_select->addSeparator();
+    QMenu* classes = m_select->addMenu(tr("Set &Class"));
+    for (unsigned code = 0; code < 10; ++code) {
+        QAction* action = m_menu.add(
+            classes, tr("Set class %1").arg(classText(code)), {}, {QKeySequence(Qt::Key(Qt::Key_0 + int(code)))},
+            tr("Give the selected points this class"), [this, code] { m_window.editDock().setClass(code); });
+        m_menu.needsDocument(action);
+    }
+}
+
+void SelectBar::addChoices()
+{
+    const auto word = [this](const QString& text) {
+        auto* label = new QLabel(text);
+        label->setProperty("dim", true);
+        label->setContentsMargins(10, 0, 4, 0);
+        m_bar->addWidget(label);
+    };
+    m_bar->addSeparator();
+    m_mode->addItem(tr("Replace"), int(SelectMode::Replace));
+    m_mode->addItem(tr("Add"), int(SelectMode::Add));
+    m_mode->addItem(tr("Subtract"), int(SelectMode::Subtract));
+    m_mode->addItem(tr("Intersect"), int(SelectMode::Intersect));
+    m_mode->setAccessibleName(tr("How shapes change the selection"));
+    m_mode->setToolTip(tr("How shapes change the selection; Shift adds and Ctrl subtracts for one shape"));
+    m_mode->setFocusPolicy(Qt::TabFocus);
+    m_bar->addWidget(m_mode);
+    connect(m_mode, &QComboBox::activated, this,
+            [this] { m_selection.setMode(SelectMode(m_mode->currentData().toInt())); });
+
+    word(tr("Depth"));
+    m_depth->addItem(tr("Through everything"), int(Selection::Depth::Through));
+    m_depth->addItem(tr("Visible points"), int(Selection::Depth::Visible));
+    m_depth->addItem(tr("Slab at the pivot"), int(Selection::Depth::Slab));
+    m_depth->setAccessibleName(tr("How deep shapes reach"));
+    m_depth->setToolTip(tr("How deep shapes reach into the picture; a double-click without a tool sets the pivot"));
+    m_depth->setFocusPolicy(Qt::TabFocus);
+    m_bar->addWidget(m_depth);
+    connect(m_depth, &QComboBox::activated, this,
+            [this] { m_selection.setDepth(Selection::Depth(m_depth->currentData().toInt())); });
+    m_slab->setRange(0.01, 1e6);
+    m_slab->setDecimals(2);
+    m_slab->setAccessibleName(tr("Thickness of the slab"));
+    m_slab->setToolTip(tr("Thickness of the slab, in units of the coordinates"));
+    m_slabAction = m_bar->addWidget(m_slab);
+    connect(m_slab, &QDoubleSpinBox::valueChanged, &m_selection, &Selection::setSlabThickness);
+
+    auto* space = new QWidget;
+    space->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Preferred);
+    m_bar->addWidget(space);
+    m_count->setContentsMargins(0, 0, 10, 0);
+    m_bar->addWidget(m_count);
+}
+
+void SelectBar::takeSettings()
+{
+    m_mode->setCurrentIndex(m_mode->findData(int(m_selection.mode())));
+    m_depth->setCurrentIndex(m_depth->findData(int(m_selection.depth())));
+    m_slabAction->setVisible(m_selection.depth() == Selection::Depth::Slab);
+    const QSignalBlocker quiet(m_slab);
+    m_slab->setValue(m_selection.slabThickness());
+}
+
+QString SelectBar::countText() const
+{
+    return m_count->text();
+}
+
+void SelectBar::takeCount()
+{
+    const PointIndex count = m_selection.count(), hidden = m_selection.hiddenCount();
+    if (count == 0)
+        m_count->setText(m_window.workspace().active() ? tr("Nothing selected") : QString());
+    else if (hidden == 0)
+        m_count->setText(tr("%1 selected").arg(pointsText(count)));
+    else
+        m_count->setText(
+            tr("%1 selected, %2 of them hidden").arg(pointsText(count), punctum::ui::countText(hidden)));
+    m_count->setToolTip(
+        hidden == 0 ? QString() : tr("Hidden: behind other points, or outside of the picture. They change, too."));
+}
+
+}  // namespace punctum::ui

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "ui/select/SelectTools.h"
+
+#include <QObject>
+
+class QAction;
+class QActionGroup;
+class QComboBox;
+class QDoubleSpinBox;
+class QLabel;
+class QMenu;
+class QToolBar;
+
+namespace punctum::ui
+{
+
+class MainMenu;
+class MainWindow;
+class Selection;
+
+/// The menu Select, and the bar with its tools, how they put shapes together, how deep they reach, and the count.
+/// GUI thread only; a child of the window. Borrows tools and selection.
+class SelectBar final : public QObject
+{
+    Q_OBJECT
+public:
+    SelectBar(MainWindow& window, Selection& selection, SelectTools& tools);
+
+    QToolBar& bar() noexcept { return *m_bar; }
+    /// "1,204 points selected, 301 of them hidden".
+    QString countText() const;
+
+private:
+    void addTool(SelectTools::Tool tool, const QString& text, const QString& icon, Qt::Key key, const QString& tip);
+    void addActions();
+    void addChoices();
+    void takeSettings();
+    void takeCount();
+
+    MainWindow& m_window;
+    MainMenu& m_menu;
+    Selection& m_selection;
+    SelectTools& m_tools;
+    QMenu* m_select;
+    QToolBar* m_bar;
+    QActionGroup* m_toolActions;
+    QComboBox* m_mode;
+    QComboBox* m_depth;
+    QDoubleSpinBox* m_slab;
+    QAction* m_slabAction = nullptr;
+    QLabel* m_count;
+};
+
+}  // namespace punctum::ui

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: MIT
+#include "ui/select/Selection.h"
+
+#include "core/expression/Condition.h"
+#include "core/process/KdOrder.h"
+#include "core/task/Progress.h"
+#include "ui/Text.h"
+#include "ui/ViewFilter.h"
+#include "ui/ViewRenderer.h"
+#include "ui/ViewSettings.h"
+#include "ui/Workspace.h"
+
+#include <algorithm>
+#include <shared_mutex>
+#include <utility>
+
+namespace punctum::ui
+{
+
+Selection::Selection(Workspace& workspace, ViewRenderer& renderer, const ViewSettings& settings,
+                     const ViewFilter& filter, QObject* parent)
+    : QObject(parent), m_workspace(workspace), m_renderer(renderer), m_settings(settings), m_filter(filter)
+{
+    connect(&m_workspace, &Workspace::documentRemoved, this, [this](Document* document) {
+        m_states.erase(document);
+        emit changed();
+    });
+    connect(&m_workspace, &Workspace::activeChanged, this, [this] {
+        abandon();
+        emit changed();
+    });
+}
+
+Document* Selection::active() const
+{
+    Document* const document = m_workspace.active();
+    return document && !document->loading() ? document : nullptr;
+}
+
+void Selection::setMode(SelectMode mode)
+{
+    m_mode = mode;
+    emit settingsChanged();
+}
+
+void Selection::setDepth(Depth depth)
+{
+    m_depth = depth;
+    emit settingsChanged();
+}
+
+void Selection::setSlabThickness(double units)
+{
+    m_slab = std::max(units, 0.0);
+    emit settingsChanged();
+}
+
+std::shared_ptr<const PointSet> Selection::points(const Document* document) const
+{
+    const auto found = m_states.find(document);
+    return found == m_states.end() ? nullptr : found->second.points;
+}
+
+PointIndex Selection::count() const
+{
+    const auto found = m_states.find(m_workspace.active());
+    return found == m_states.end() ? 0 : found->second.count;
+}
+
+PointIndex Selection::hiddenCount() const
+{
+    const auto found = m_states.find(m_workspace.active());
+    return found == m_states.end() ? 0 : found->second.hidden;
+}
+
+std::function<Touchable(const PointCloud&, Progress&)> Selection::touchable() const
+{
+    Touchable touchable;
+    for (unsigned code = 0; code < 256; ++code) touchable.classes[code] = !m_settings.classLocked(code);
+    const Document* const document = active();
+    return [touchable, visibility = document ? m_filter.visibility(*document) : Visibility()](
+               const PointCloud& cloud, Progress& progress) {
+        Touchable all = touchable;
+        all.hidden = hiddenPoints(cloud, visibility, progress);
+        return all;
+    };
+}
+
+// -- shapes
+
+void Selection::begin(SelectMode mode)
+{
+    m_drawing = true;
+    m_drawMode = mode;
+    m_base = std::make_shared<Base>();
+}
+
+void Selection::draw(ScreenMask mask)
+{
+    if (m_drawing) askShape(std::move(mask), true);
+}
+
+void Selection::finish(ScreenMask mask)
+{
+    if (!std::exchange(m_drawing, false)) return;
+    askShape(std::move(mask), false);
+}
+
+void Selection::abandon()
+{
+    if (!std::exchange(m_drawing, false)) return;
+    std::erase_if(m_tasks, [this](const Task& task) { return task.base == m_base; });
+    ++m_generation;
+    if (m_job != 0) m_workspace.cancel(m_job);
+    if (!m_base->known) return;  // nothing of it has been shown
+    if (Document* const document = active())
+        publish(*document, {m_base->points, m_base->points ? m_base->points->count() : 0, hiddenCount()});
+}
+
+void Selection::askShape(ScreenMask mask, bool live)
+{
+    Task task;
+    task.title = tr("Select");
+    task.live = live;
+    task.base = m_base;
+    task.work = [mask = std::move(mask), mode = m_drawMode, depth = m_depth, slab = m_slab,
+                 touchable = touchable()](const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view,
+                                          Progress& progress) {
+        Region region;
+        region.mask = mask;
+        region.projection = view.projection;
+        if (depth == Depth::Slab) {
+            region.nearest = view.pivotDepth - slab / 2;
+            region.furthest = view.pivotDepth + slab / 2;
+        }
+        PointSet found = pointsIn(region, *view.cloud, touchable(*view.cloud, progress), progress);
+        if (depth == Depth::Visible) combine(found, *view.visible, SelectMode::Intersect);
+        PointSet all = before && mode != SelectMode::Replace ? *before : PointSet(found.size());
+        combine(all, found, mode);
+        return all;
+    };
+    ask(std::move(task));
+}
+
+// -- without a shape
+
+void Selection::askFound(const QString& title, std::function<PointSet(const PointCloud&, Progress&)> find)
+{
+    Task task;
+    task.title = title;
+    task.work = [mode = m_mode, touchable = touchable(), find = std::move(find)](
+                    const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view, Progress& progress) {
+        PointSet found = find(*view.cloud, progress);
+        keepTouchable(found, *view.cloud, touchable(*view.cloud, progress), progress);
+        PointSet all = before && mode != SelectMode::Replace ? *before : PointSet(found.size());
+        combine(all, found, mode);
+        return all;
+    };
+    ask(std::move(task));
+}
+
+void Selection::askNeighbors(const QString& title,
+                             std::function<PointSet(const PointSet&, const KdOrder&, Progress&)> change)
+{
+    Task task;
+    task.title = title;
+    if (!points(active())) return;
+    task.work = [touchable = touchable(), change = std::move(change)](
+                    const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view, Progress& progress) {
+        const KdOrder order(*view.cloud, progress);
+        PointSet all = change(*before, order, progress);
+        keepTouchable(all, *view.cloud, touchable(*view.cloud, progress), progress);
+        return all;
+    };
+    ask(std::move(task));
+}
+
+void Selection::clear()
+{
+    Document* const document = active();
+    if (!document || !points(document)) return;
+    m_tasks.clear();
+    ++m_generation;
+    publish(*document, {});
+}
+
+void Selection::show(const std::shared_ptr<const PointSet>& points)
+{
+    Task task;
+    task.title = tr("Select");
+    task.work = [points](const auto&, const ViewSnapshot&, Progress&) { return *points; };
+    ask(std::move(task));
+}
+
+void Selection::invert()
+{
+    Task task;
+    task.title = tr("Invert the selection");
+    task.work = [touchable = touchable()](const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view,
+                                          Progress& progress) {
+        PointSet all = before ? *before : PointSet(view.cloud->size());
+        punctum::invert(all);
+        keepTouchable(all, *view.cloud, touchable(*view.cloud, progress), progress);
+        return all;
+    };
+    ask(std::move(task));
+}
+
+void Selection::selectAll()
+{
+    askFound(tr("Select all"), [](const PointCloud& cloud, Progress&) {
+        PointSet all(cloud.size());
+        punctum::invert(all);
+        return all;
+    });
+}
+
+void Selection::selectByRule(const QString& text)
+{
+    Document* const document = active();
+    if (!document) return;
+    // The list of attributes is the document's own copy: the cloud itself is bound in the job, where waiting is
+    // allowed.
+    expression::Condition::check(text.toStdString());
+    askFound(tr("Select by rule"), [text](const PointCloud& cloud, Progress& progress) {
+        return *expression::select(cloud, expression::Condition(text.toStdString(), cloud), progress);
+    });
+}
+
+void Selection::selectClass(unsigned code)
+{
+    selectByRule(QStringLiteral("Classification == %1").arg(code));
+}
+
+void Selection::grow(double distance)
+{
+    askNeighbors(tr("Grow the selection"), [distance](const PointSet& points, const KdOrder& order, Progress& p) {
+        return grown(points, order, distance, p);
+    });
+}
+
+void Selection::shrink(double distance)
+{
+    askNeighbors(tr("Shrink the selection"), [distance](const PointSet& points, const KdOrder& order, Progress& p) {
+        return shrunk(points, order, distance, p);
+    });
+}
+
+void Selection::connectNeighbors(double distance)
+{
+    askNeighbors(tr("Select connected points"),
+                 [distance](const PointSet& points, const KdOrder& order, Progress& p) {
+                     return connected(points, order, distance, p);
+                 });
+}
+
+// -- one after the other
+
+void Selection::ask(Task task)
+{
+    if (!active()) return;
+    if (!task.base) task.base = std::make_shared<Base>();
+    // a newer shape replaces one that nobody has begun
+    if (!m_tasks.empty() && m_tasks.back().live) m_tasks.pop_back();
+    m_tasks.push_back(std::move(task));
+    startNext();
+}
+
+void Selection::startNext()
+{
+    if (m_tasks.empty() || m_waiting || m_job != 0) return;
+    Document* const document = active();
+    if (!document) {
+        m_tasks.clear();
+        return;
+    }
+    m_waiting = true;
+    m_renderer.snapshot(
+        document->cloud(), this,
+        [this, target = QPointer<Document>(document)](const std::shared_ptr<const ViewSnapshot>& view) {
+            m_waiting = false;
+            if (m_tasks.empty()) return;
+            Task task = std::move(m_tasks.front());
+            m_tasks.pop_front();
+            if (target && view && target == active()) run(view, *target, std::move(task));
+            startNext();
+        });
+}
+
+void Selection::run(const std::shared_ptr<const ViewSnapshot>& view, Document& document, Task task)
+{
+    const auto result = std::make_shared<State>();
+    const std::uint64_t generation = m_generation;
+    if (!std::exchange(task.base->known, true)) task.base->points = points(&document);
+    m_job = m_workspace.startJob(
+        task.title,
+        [view, result, work = std::move(task.work), before = task.base->points](Progress& progress) {
+            const auto points = std::make_shared<PointSet>(work(before, *view, progress));
+            result->count = points->count();
+            result->hidden = countWithout(*points, *view->visible);
+            if (result->count != 0) result->points = points;
+        },
+        [this, result, generation, target = QPointer<Document>(&document)](const JobInfo& info) {
+            m_job = 0;
+            if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
+            if (info.state == JobState::Finished && target && generation == m_generation) publish(*target, *result);
+            emit changed();
+            startNext();
+        },
+        true);
+}
+
+void Selection::publish(Document& document, State state)
+{
+    m_renderer.setSelection(document.cloud(), state.points);
+    if (state.points)
+        m_states[&document] = std::move(state);
+    else
+        m_states.erase(&document);
+    emit changed();
+}
+
+}  // namespace punctum::ui

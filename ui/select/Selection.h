@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/select/Selecting.h"
+#include "core/task/Jobs.h"
+
+#include <QObject>
+#include <QPointer>
+#include <QString>
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+
+namespace punctum::ui
+{
+
+class Document;
+class ViewFilter;
+class ViewRenderer;
+class ViewSettings;
+class Workspace;
+struct ViewSnapshot;
+
+/// Which points of each open document are selected, and how tools change that. Tools work on the active document.
+///
+/// GUI thread only; every call returns at once, the work is done by jobs, one after the other. While a tool is
+/// drawing, only the newest shape counts. Points that the view hides (by class, filter or
+/// clip) and those of locked classes are never selected.
+class Selection final : public QObject
+{
+    Q_OBJECT
+public:
+    /// How deep into the picture a tool reaches.
+    enum class Depth {
+        Through,  ///< everything behind the marked px
+        Visible,  ///< the points that can be seen
+        Slab,     ///< what lies around the pivot's depth, slabThickness() of the coordinates' units
+    };
+
+    Selection(Workspace& workspace, ViewRenderer& renderer, const ViewSettings& settings, const ViewFilter& filter,
+              QObject* parent = nullptr);
+
+    SelectMode mode() const noexcept { return m_mode; }
+    void setMode(SelectMode mode);
+    Depth depth() const noexcept { return m_depth; }
+    void setDepth(Depth depth);
+    double slabThickness() const noexcept { return m_slab; }
+    void setSlabThickness(double units);
+
+    /// Null while nothing of it is selected.
+    std::shared_ptr<const PointSet> points(const Document* document) const;
+    /// Of the active document.
+    PointIndex count() const;
+    /// How many of them the view does not show, being behind others or outside of the picture.
+    PointIndex hiddenCount() const;
+    /// A shape or question is being worked on.
+    bool busy() const noexcept { return m_job != 0 || m_waiting || !m_tasks.empty(); }
+
+    // -- what tools draw
+    /// What is selected now is what shapes are put together with, until finish() or abandon().
+    void begin(SelectMode mode);
+    bool drawing() const noexcept { return m_drawing; }
+    /// The shape so far; shown as soon as it is worked out.
+    void draw(ScreenMask mask);
+    void finish(ScreenMask mask);
+    void abandon();
+
+    // -- without a shape; by the mode where that makes sense
+    void clear();
+    /// Selects these points of the active document, whatever the mode: what a preview found.
+    void show(const std::shared_ptr<const PointSet>& points);
+    void invert();
+    void selectAll();
+    /// Throws expression::ExpressionError when the text is no condition for the active document.
+    void selectByRule(const QString& condition);
+    void selectClass(unsigned code);
+    /// `distance`: in units of the coordinates.
+    void grow(double distance);
+    void shrink(double distance);
+    void connectNeighbors(double distance);
+
+signals:
+    void changed();          ///< points, or their counts
+    void settingsChanged();  ///< mode, depth
+
+private:
+    struct State {
+        std::shared_ptr<const PointSet> points;
+        PointIndex count = 0;
+        PointIndex hidden = 0;
+    };
+    /// Makes the new selection from the old one (null: nothing), in a job.
+    using Work = std::function<PointSet(const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view,
+                                        Progress& progress)>;
+    /// The selection that a task begins from: that of the moment when it, or the first shape of a drawing, is
+    /// begun.
+    struct Base {
+        bool known = false;
+        std::shared_ptr<const PointSet> points;
+    };
+    struct Task {
+        QString title;
+        Work work;
+        bool live = false;  ///< may be left out when a newer one has come
+        std::shared_ptr<Base> base;
+    };
+
+    Document* active() const;
+    void ask(Task task);
+    void askShape(ScreenMask mask, bool live);
+    void startNext();
+    void run(const std::shared_ptr<const ViewSnapshot>& view, Document& document, Task task);
+    void publish(Document& document, State state);
+    /// Asked in the GUI thread; gives what says in a job which points may be touched.
+    std::function<Touchable(const PointCloud&, Progress&)> touchable() const;
+    /// A question whose answer is put together with the selection by the mode.
+    void askFound(const QString& title, std::function<PointSet(const PointCloud&, Progress&)> find);
+    /// One that makes another selection of the present one, looking at neighbors.
+    void askNeighbors(const QString& title,
+                      std::function<PointSet(const PointSet&, const KdOrder&, Progress&)> change);
+
+    Workspace& m_workspace;
+    ViewRenderer& m_renderer;
+    const ViewSettings& m_settings;
+    const ViewFilter& m_filter;
+    SelectMode m_mode = SelectMode::Replace;
+    Depth m_depth = Depth::Through;
+    double m_slab = 5.0;
+    std::map<const Document*, State> m_states;
+    bool m_drawing = false;
+    SelectMode m_drawMode = SelectMode::Replace;
+    std::shared_ptr<Base> m_base;  ///< of the drawing
+    std::deque<Task> m_tasks;
+    bool m_waiting = false;  ///< for the picture to be finished
+    JobId m_job = 0;
+    std::uint64_t m_generation = 0;  ///< answers to questions asked before the last abandon() are dropped
+};
+
+}  // namespace punctum::ui
