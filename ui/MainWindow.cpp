@@ -172,7 +172,7 @@ void MainWindow::addDocks()
     setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
     setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
     resizeDocks({m_attributes, m_processing}, {330, 310}, Qt::Horizontal);
-    resizeDocks({m_attributes, m_classes}, {620, 300}, Qt::Vertical);
+    resizeDocks({m_attributes, m_classes}, {690, 230}, Qt::Vertical);
     resizeDocks({m_processing, m_jobs}, {700, 170}, Qt::Vertical);
 }
 
