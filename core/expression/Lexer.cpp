@@ -15,7 +15,7 @@ namespace punctum::expression
 namespace
 {
 
-constexpr std::size_t kMostTokens = 2000;
+constexpr std::size_t kMostTokens = 1000;
 
 constexpr std::array<std::string_view, 7> kKeywords = {"and", "or", "not", "in", "between", "if", "else"};
 
