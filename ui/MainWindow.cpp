@@ -178,6 +178,13 @@ void MainWindow::addDocks()
 
 void MainWindow::connectParts()
 {
+    // One tool has the mouse.
+    connect(m_measureTools, &MeasureTools::toolChanged, this, [this] {
+        if (m_measureTools->tool()) m_selectTools->setTool(SelectTools::Tool::None);
+    });
+    connect(m_selectTools, &SelectTools::toolChanged, this, [this](SelectTools::Tool tool) {
+        if (tool != SelectTools::Tool::None) m_measureTools->setTool({});
+    });
     connect(m_workspace, &Workspace::documentAdded, this, &MainWindow::documentAdded);
     connect(m_workspace, &Workspace::documentLoaded, this, &MainWindow::documentLoaded);
     connect(m_workspace, &Workspace::documentRemoved, this, &MainWindow::documentRemoved);

@@ -6,6 +6,7 @@
 #include "ui/measure/MeasureDock.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
+#include "ui/select/SelectTools.h"
 
 #include <QAction>
 #include <QApplication>
@@ -183,6 +184,12 @@ private slots:
         QVERIFY(!(view.camera() == before));
         QVERIFY(test.settle());
         QCOMPARE(tools.pointsTaken(), std::size_t(1));
+        // a tool that selects takes the mouse away, and gives it back
+        test.window->selectTools().setTool(SelectTools::Tool::Lasso);
+        QVERIFY(!tools.tool());
+        tool(test, MeasureKind::Area)->trigger();
+        QVERIFY(test.window->selectTools().tool() == SelectTools::Tool::None);
+        QVERIFY(click(test, 0.2, 0.55));
         // too few corners are no area
         key(test, Qt::Key_Return);
         QVERIFY(test.window->measurements().entries().empty());
