@@ -109,12 +109,12 @@ void reportWritten(const las::WriteReport& report, const fs::path& path, bool js
     print(path.string() + ": " + grouped(report.points) + " points, " + grouped(report.bytes) + " bytes\n");
 }
 
-DrawableCloud loadDrawable(const fs::path& path, Progress& progress)
+DrawableCloud loadDrawable(const fs::path& path, Progress& progress, render::OrderKind order)
 {
     const auto reader = las::Reader::open(path);
     DrawableCloud loaded;
     loaded.cloud = reader->createCloud();
-    loaded.store = std::make_shared<render::PointStore>(loaded.cloud, reader->source()->sampledBounds);
+    loaded.store = std::make_shared<render::PointStore>(loaded.cloud, reader->source()->sampledBounds, order);
     las::ReadResult result =
         reader->read(*loaded.cloud, progress, [&](PointRange range) { loaded.store->fill(range); });
     loaded.bounds = result.bounds;

@@ -48,7 +48,8 @@ struct DrawableCloud {
 };
 
 /// Loads a file and fills its store on the way. Throws Error, Cancelled.
-DrawableCloud loadDrawable(const std::filesystem::path& path, Progress& progress);
+DrawableCloud loadDrawable(const std::filesystem::path& path, Progress& progress,
+                           render::OrderKind order = render::OrderKind::Stratified);
 
 /// Writes bytes to a file, whole or not at all. Throws Error.
 void writeWhole(const std::filesystem::path& path, std::string_view bytes);

@@ -5,6 +5,8 @@
 #include "app/Console.h"
 #include "ui/MainWindow.h"
 
+#include <CLI/CLI.hpp>
+
 #include <QApplication>
 #include <QFile>
 
@@ -57,6 +59,18 @@ WindowRequest understand(int argc, char** argv)
             request.options.backend = render::backendFromName(name);
             if (!request.options.backend)
                 request.wrong = "There is no backend \"" + name + "\"; there are cpu, gl-compute and gl-points.";
+        } else if (word == "--budget" || word == "--budget-points") {
+            const std::string text = k + 1 < argc ? argv[++k] : "";
+            double number = 0;
+            const bool fine = CLI::detail::lexical_cast(text, number);
+            if (word == "--budget" && fine && number >= 1 && number <= 1000)
+                request.options.frameSeconds = number * 1e-3;
+            else if (word == "--budget-points" && fine && number >= 1 && number <= 4e9)
+                request.options.pointsAFrame = PointIndex(number);
+            else
+                request.wrong = "\"" + text +
+                                "\" is no budget; write --budget with 1 to 1000 ms a frame, or "
+                                "--budget-points with a number of points.";
         } else if (isQtOption(word)) {
             request.platformGiven |= word.ends_with("platform");
             ++k;

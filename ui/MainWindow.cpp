@@ -98,6 +98,7 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     const auto backend = options.backend ? options.backend : m_settings->backend();
     m_view = new ViewSettings(this);
     m_renderer = new ViewRenderer(backend, m_settings->fastestBackend(), this);
+    m_renderer->setBudget(options.frameSeconds, options.pointsAFrame);
     m_viewport =
         new Viewport(*m_renderer, *m_view,
                      options.view != ViewKind::Raster && openGlWidgetsWork(options.view == ViewKind::OpenGl));

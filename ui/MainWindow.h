@@ -55,6 +55,8 @@ struct WindowOptions {
     QString settingsFile;  ///< an .ini file to keep settings in; empty: the user's own settings
     std::optional<render::BackendKind> backend;  ///< none: as the settings say, else the fastest
     ViewKind view = ViewKind::Automatic;
+    double frameSeconds = 0.0166;  ///< time of a frame while the view moves
+    PointIndex pointsAFrame = 0;   ///< drawn in each frame; 0: as many as there is time for
 };
 
 /// The window: the view in the middle, docks around it, menus. It wires these parts; it does no work itself.

@@ -21,7 +21,6 @@ namespace punctum::ui
 namespace
 {
 
-constexpr double kFrameBudget = 0.0166;  // s: sixty pictures a second
 /// Between two frames of a still camera while points arrive: most of the processor belongs to loading then.
 constexpr std::chrono::milliseconds kLoadingPause(60);
 /// Nobody waits for a picture: time to measure what draws fastest.
@@ -87,8 +86,9 @@ struct ViewRenderer::Thread {
     };
     std::vector<Capture> captures;
     std::vector<Snapshot> snapshots;
-    bool dirty = false;   ///< a command changed what is to be seen
-    bool broken = false;  ///< the backend failed; wait for a command
+    double budget = 0.0166;  ///< s: sixty pictures a second
+    bool dirty = false;      ///< a command changed what is to be seen
+    bool broken = false;     ///< the backend failed; wait for a command
     std::uint64_t frames = 0;
 
     bool loading() const
@@ -162,6 +162,14 @@ void ViewRenderer::setBackend(std::optional<render::BackendKind> kind)
         thread.chosen = kind;
         applyChoice(thread);
         thread.dirty = true;
+    });
+}
+
+void ViewRenderer::setBudget(double seconds, PointIndex points)
+{
+    post([seconds, points](Thread& thread) {
+        thread.budget = seconds;
+        thread.renderer->setPointsAFrame(points);
     });
 }
 
@@ -403,7 +411,7 @@ void ViewRenderer::renderNext(Thread& thread)
     const bool finished = thread.renderer->converged() && !thread.dirty;
     if (!finished || thread.loading()) {
         thread.dirty = false;
-        const render::FrameReport report = thread.renderer->renderFrame(kFrameBudget);
+        const render::FrameReport report = thread.renderer->renderFrame(thread.budget);
         if (thread.renderer->image().width > 0) publish(thread, report);
     }
     if (thread.renderer->converged()) serveSnapshots(thread);
@@ -436,13 +444,13 @@ void ViewRenderer::serveCaptures(Thread& thread)
             render::DisplaySettings bare = shown;
             bare.backgroundTop.a = bare.backgroundBottom.a = 0;
             thread.renderer->setDisplay(bare);
-            while (!thread.renderer->renderFrame(kFrameBudget).converged) {
+            while (!thread.renderer->renderFrame(thread.budget).converged) {
             }
         }
         capture.done(std::make_shared<render::Image>(thread.renderer->image()));
         if (capture.transparent) {
             thread.renderer->setDisplay(shown);
-            while (!thread.renderer->renderFrame(kFrameBudget).converged) {
+            while (!thread.renderer->renderFrame(thread.budget).converged) {
             }
         }
     }

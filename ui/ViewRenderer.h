@@ -71,6 +71,9 @@ public:
     void setSize(int widthPx, int heightPx);
     void setCamera(const render::Camera& camera);
     void setDisplay(const render::DisplaySettings& display);
+    /// Time of a frame in seconds, 1/60 at first; `points`: drawn in each frame whatever the time, 0: as time
+    /// allows.
+    void setBudget(double seconds, PointIndex points);
     /// None: the fastest.
     void setBackend(std::optional<render::BackendKind> kind);
 

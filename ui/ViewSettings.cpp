@@ -9,7 +9,7 @@ namespace punctum::ui
 
 ViewSettings::ViewSettings(QObject* parent) : QObject(parent)
 {
-    m_display.pointSize = 1.0;
+    m_display.fillHoles = true;
     setBackground(Background::Dark);
 }
 

@@ -19,12 +19,14 @@ namespace
 constexpr int kFrames = 120;
 constexpr int kLeadIn = 10;  ///< frames whose coverage does not count: the picture begins empty
 constexpr double kTurn = std::numbers::pi;
-constexpr double kFrameSeconds = 0.0166;
 
 struct BenchRenderOptions : BenchOptions {
     std::string backend = "auto";
     std::string size = "1280x800";
     int samples = 1;
+    std::string order = "stratified";
+    double budget = 16.6;  ///< ms
+    double budgetPoints = 0;
     int width = 0;
     int height = 0;
 };
@@ -35,6 +37,7 @@ struct Stage {
     const BenchRenderOptions& options;
     render::Camera camera;
 
+    double seconds() const noexcept { return options.budget * 1e-3; }
     void empty() const
     {
         // a target of another size and back is a new one, with nothing in it
@@ -70,7 +73,7 @@ std::vector<double> measureOrbit(const Stage& stage, Figures& figures, Progress&
         progress.check();
         const Clock clock;
         stage.renderer.setCamera(stage.turned(frame));
-        stage.renderer.renderFrame(kFrameSeconds);
+        stage.renderer.renderFrame(stage.seconds());
         times.push_back(clock.milliseconds());
         covered.push_back(stage.renderer.coveredShare());
     }
@@ -84,7 +87,7 @@ void measureConvergence(const Stage& stage, Figures& figures, Progress& progress
 {
     stage.empty();
     const Clock clock;
-    while (!stage.renderer.renderFrame(kFrameSeconds).converged) progress.check();
+    while (!stage.renderer.renderFrame(stage.seconds()).converged) progress.check();
     figures.add("converge_ms", clock.milliseconds());
 
     // What a view does that asks for a frame whenever one is due: none of them may draw.
@@ -92,9 +95,9 @@ void measureConvergence(const Stage& stage, Figures& figures, Progress& progress
     int drawn = 0;
     for (const Clock second; second.seconds() < 1.0;) {
         progress.check();
-        const render::FrameReport report = stage.renderer.renderFrame(kFrameSeconds);
+        const render::FrameReport report = stage.renderer.renderFrame(stage.seconds());
         if (!report.converged || report.filled != 0) ++drawn;
-        std::this_thread::sleep_for(std::chrono::duration<double>(kFrameSeconds));
+        std::this_thread::sleep_for(std::chrono::duration<double>(stage.seconds()));
     }
     figures.add("idle_frames", drawn);
     figures.add("idle_cpu_ms", double(std::clock() - cpu) * 1e3 / CLOCKS_PER_SEC);
@@ -104,12 +107,15 @@ void runBenchRender(const BenchRenderOptions& options, Progress& progress)
 {
     HeadlessRenderer headless(options.backend);
     render::ProgressiveRenderer& renderer = headless.renderer();
-    const DrawableCloud cloud = loadDrawable(options.file, progress);
+    const DrawableCloud cloud =
+        loadDrawable(options.file, progress,
+                     options.order == "prime" ? render::OrderKind::Prime : render::OrderKind::Stratified);
     const auto points = double(cloud.cloud->size());
     render::DisplaySettings display;
     display.samples = options.samples;
     show(renderer, cloud, options.width, options.height, display);
     const Stage stage{renderer, options, benchCamera(cloud, options.width, options.height)};
+    renderer.setPointsAFrame(PointIndex(options.budgetPoints));
     drawAll(renderer, false, progress);  // streams the attribute, learns the cost of a point, touches all memory
 
     Figures figures;
@@ -150,10 +156,9 @@ void runBenchRender(const BenchRenderOptions& options, Progress& progress)
 
 void addBenchRender(CLI::App& bench, Action& action)
 {
-    CLI::App& command =
-        addCommand(bench, "render",
-                   "Drawing: all points in one pass; a half turn of 120 frames at 16.6 ms, begun with "
-                   "an empty picture; from nothing to the full picture; frames drawn afterwards");
+    CLI::App& command = addCommand(bench, "render",
+                                   "Drawing: all points in one pass; a half turn of 120 frames, begun with "
+                                   "an empty picture; from nothing to the full picture; frames drawn afterwards");
     const auto options = std::make_shared<BenchRenderOptions>();
     addBenchOptions(command, *options);
     addBackendOption(command, options->backend);
@@ -161,6 +166,15 @@ void addBenchRender(CLI::App& bench, Action& action)
     command.add_option("--samples", options->samples, "Samples a pixel: 1, 4, 8 or 16; default 1")
         ->type_name("N")
         ->check(CLI::IsMember({1, 4, 8, 16}));
+    command.add_option("--order", options->order, "Order of drawing: stratified (the default) or prime")
+        ->type_name("NAME")
+        ->check(CLI::IsMember({"stratified", "prime"}));
+    command.add_option("--budget", options->budget, "Milliseconds of a frame, 1 to 1000; default 16.6")
+        ->type_name("MS")
+        ->check(CLI::Range(1.0, 1000.0));
+    command.add_option("--budget-points", options->budgetPoints, "Points drawn in each frame, whatever the time")
+        ->type_name("N")
+        ->check(CLI::Range(1.0, 4e9));
     command.callback([options, &action] {
         try {
             std::tie(options->width, options->height) = parseSize(options->size);

@@ -38,11 +38,13 @@ struct DisplaySettings {
     NormalLook normals = NormalLook::Lit;  ///< Vector
     int bands = 0;                         ///< Scalar: steps of the color map; 0: smooth
     double eyeDome = 0.0;                  ///< strength of eye-dome lighting, 1 as usual; 0: none
+    bool fillHoles = false;                ///< closes small holes of frames that are not finished (HoleFill.h)
     int samples = 1;                       ///< a pixel; the next lower of kSampleCounts
     Rgba8 backgroundTop{38, 44, 52, 255};
     Rgba8 backgroundBottom{16, 18, 22, 255};
 
     DisplaySettings();
+    friend bool operator==(const DisplaySettings&, const DisplaySettings&) = default;
     /// Width of the smallest points, px.
     double leastPixels() const noexcept { return sizing == PointSizing::Pixels ? pointSize : 1.0; }
 };

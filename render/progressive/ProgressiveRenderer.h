@@ -75,6 +75,9 @@ public:
     std::string shownAttribute() const;
 
     // -- frames
+    /// Draws exactly so many slots a frame (rounded up to windows of the order), whatever the time; 0, as at first:
+    /// as many as renderFrame() has time for.
+    void setPointsAFrame(PointIndex points) noexcept { m_pointsAFrame = points; }
     /// Draws for about `budget` seconds into image(). Does nothing (converged, 0 points) when nothing changed.
     FrameReport renderFrame(double budget);
     /// All points in one pass, no progression: the reference image.
@@ -110,7 +113,7 @@ private:
     bool averaging() const noexcept { return m_display.averaged && m_backend->averages(); }
     /// Once all points are drawn: goes on adding colors, from the start when they have become others.
     void addColors(const ResolveSettings& settings, double deadline);
-    void resolveImage(const ResolveSettings& settings);
+    void resolveImage(const ResolveSettings& settings, bool fillHoles = false);
 
     std::unique_ptr<RasterBackend> m_backend;
     std::vector<std::unique_ptr<Entry>> m_entries;
@@ -126,12 +129,14 @@ private:
     ResolveSettings m_colors;    ///< that colors were added with
     std::vector<PointId> m_visible;
     std::vector<float> m_depths;
+    PointIndex m_pointsAFrame = 0;
     double m_resolveSeconds = 0;  ///< what making the picture costs, learnt
     bool m_targetChanged = true;  ///< size or samples: a new, empty buffer is needed
     bool m_layersChanged = true;  ///< ids have new meanings: the buffer must be emptied
     bool m_viewChanged = true;    ///< camera, point size, hidden classes: what is visible must be seen anew
     bool m_resolveNeeded = true;
     bool m_rangeNeeded = true;
+    bool m_visibleOutdated = true;   ///< words of visible points may not be those of the present values
     bool m_redrawWhenFresh = false;  ///< classes changed while some are hidden
 };
 

@@ -78,6 +78,7 @@ private slots:
                                                     "ratio_to_laszip_loop"};
         QTest::newRow("attribute") << QStringList{"attribute"}
                                    << QStringList{"switch_visible_ms", "switch_all_ms", "mpts_per_s"};
+        QTest::newRow("order") << QStringList{"order", "--size", "320x200"} << QStringList{};
         QTest::newRow("edit") << QStringList{"edit"} << QStringList{"points_changed", "visible_ms", "undo_ms"};
         QTest::newRow("process") << QStringList{"process", "--step", "reclassify attribute=Z min=0 max=1 class=2"}
                                  << QStringList{"seconds", "mpts_per_s"};

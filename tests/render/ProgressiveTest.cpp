@@ -93,6 +93,8 @@ private Q_SLOTS:
     void averagesAreThoseOfTheNearestPoints();
     void normalsAreLit();
     void movingKeepsThePicture();
+    void holesAreClosedInMotionOnly();
+    void fixedBudgetsDrawThatMany();
     void idleAfterConvergence();
     void convergesWhileLoading();
     void attributeSwitchShowsAtOnce();
@@ -419,6 +421,59 @@ void ProgressiveTest::movingKeepsThePicture()
     QVERIFY(!frame.converged);
     QVERIFY2(view.renderer.coveredShare() > 0.9 * converged,
              qPrintable(QString::number(view.renderer.coveredShare() / converged)));
+}
+
+void ProgressiveTest::holesAreClosedInMotionOnly()
+{
+    const auto cloud = test::makeCloud(400'000);
+    const auto store = filledStore(cloud);
+    Camera camera = cameraFor(*cloud, 320, 200);
+    DisplaySettings plain, filling;
+    plain.backgroundTop = plain.backgroundBottom = filling.backgroundTop = filling.backgroundBottom = {0, 0, 0, 0};
+    filling.fillHoles = true;
+    View view({store}, camera, plain), filled({store}, camera, filling);
+    view.converge();
+    filled.converge();
+    QCOMPARE(differing(view.renderer.image(), filled.renderer.image()), 0);  // none in a finished picture
+    QCOMPARE(differing(filled.renderer.image(), filled.bruteForce()), 0);
+    camera.orbit(0.1, 0.02);
+    const auto empty = [](const Image& image) {
+        return std::count_if(image.pixels.begin(), image.pixels.end(), [](const Rgba8& c) { return c.a == 0; });
+    };
+    for (View* v : {&view, &filled}) {
+        v->renderer.setPointsAFrame(1);
+        v->renderer.setCamera(camera);
+        QVERIFY(!v->renderer.renderFrame(0.01).converged);
+    }
+    const auto before = empty(view.renderer.image()), after = empty(filled.renderer.image());
+    QVERIFY2(after < before, qPrintable(QString("%1 and %2 empty pixels").arg(before).arg(after)));
+    filled.converge();
+    view.converge();
+    QCOMPARE(differing(view.renderer.image(), filled.renderer.image()), 0);
+}
+
+void ProgressiveTest::fixedBudgetsDrawThatMany()
+{
+    const auto cloud = test::makeCloud(500'000);
+    const auto store = filledStore(cloud);
+    View view({store}, cameraFor(*cloud, 320, 200), {});
+    const PointIndex window = store->order().windowSize();
+    for (const PointIndex points : {PointIndex(50'000), PointIndex(120'000)}) {
+        view.renderer.setPointsAFrame(points);
+        Camera camera = view.renderer.camera();
+        camera.orbit(0.1, 0);
+        view.renderer.setCamera(camera);
+        PointIndex drawn = 0;
+        for (bool done = false; !done;) {
+            const FrameReport frame = view.renderer.renderFrame(1e-6);
+            done = frame.converged;
+            drawn += frame.filled;
+            // The last run before the end of the order, and the last of all, are shorter.
+            QVERIFY(frame.filled <= points + 2 * window);
+            QVERIFY(done || frame.filled >= points || drawn == store->slotCount());
+        }
+        QCOMPARE(drawn, PointIndex(store->slotCount()));
+    }
 }
 
 void ProgressiveTest::idleAfterConvergence()

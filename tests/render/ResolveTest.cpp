@@ -2,6 +2,7 @@
 #include "render/progressive/FrameCostModel.h"
 #include "render/resolve/CpuResolve.h"
 #include "render/resolve/EyeDome.h"
+#include "render/resolve/HoleFill.h"
 #include "tests/render/SyntheticCloud.h"
 
 #include <QtTest>
@@ -28,6 +29,7 @@ private Q_SLOTS:
     void bandsAreEqualSteps();
     void eyeDomeShadesWhatLiesBehind();
     void eyeDomeDoesNotDependOnTheScale();
+    void holesAreFilledFromTheFront();
 };
 
 void ResolveTest::colorMapsAreComplete()
@@ -220,6 +222,49 @@ void ResolveTest::eyeDomeDoesNotDependOnTheScale()
     shadeEyeDome(steps(60, 40, 4096, 512), true, 1, 1, mountain);
     for (std::size_t k = 0; k < room.pixels.size(); ++k)
         QVERIFY(std::abs(room.pixels[k].r - mountain.pixels[k].r) <= 1);
+}
+
+// A near square with holes before a far floor: holes up to 4 px close with the square's color, a wide one and the
+// outside do not, and the floor that shows through goes with the nothing.
+void ResolveTest::holesAreFilledFromTheFront()
+{
+    constexpr int kWide = 60;
+    constexpr float kNone = std::numeric_limits<float>::infinity();
+    Image image;
+    image.resize(kWide, kWide);
+    std::vector<float> depths(kWide * kWide, kNone);
+    const Rgba8 front{200, 100, 50, 255}, floor{0, 0, 255, 255}, nothing{1, 2, 3, 255};
+    const auto put = [&](int x0, int y0, int x1, int y1, float depth, Rgba8 color) {
+        for (int y = y0; y < y1; ++y)
+            for (int x = x0; x < x1; ++x) {
+                image.at(x, y) = color;
+                depths[std::size_t(y * kWide + x)] = depth;
+            }
+    };
+    put(0, 0, kWide, kWide, kNone, nothing);
+    put(0, 30, kWide, kWide, 50, floor);
+    put(10, 10, 50, 50, 10, front);
+    const Image whole = image;
+    put(15, 15, 16, 16, kNone, nothing);
+    put(20, 15, 22, 17, kNone, nothing);
+    put(15, 40, 16, 44, 50, floor);  // a slit
+    put(30, 20, 42, 32, kNone, nothing);
+    const std::size_t filled = fillHoles(depths, image);
+    QVERIFY(filled >= 9);
+    QCOMPARE(image.at(15, 15), front);
+    QCOMPARE(image.at(21, 16), front);
+    QCOMPARE(image.at(15, 42), front);
+    QCOMPARE(depths[15 * kWide + 15], 10.0f);
+    QCOMPARE(image.at(36, 26), nothing);
+    int outside = 0;
+    for (int y = 0; y < kWide; ++y)
+        for (int x = 0; x < kWide; ++x)
+            if (x < 10 || y < 10 || x >= 50 || y >= 50) outside += !(image.at(x, y) == whole.at(x, y));
+    QCOMPARE(outside, 0);
+    Image small;
+    small.resize(2, 2);
+    std::vector<float> few(4, kNone);
+    QCOMPARE(fillHoles(few, small), std::size_t(0));
 }
 
 QTEST_APPLESS_MAIN(ResolveTest)
