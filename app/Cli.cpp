@@ -33,6 +33,7 @@ void describe(CLI::App& root, Action& action)
     addDiff(root, action);
     addRender(root, action);
     addProcess(root, action);
+    addExtract(root, action);
     addReplay(root, action);
     addSample(root, action);
     addBench(root, action);

@@ -11,6 +11,7 @@
 #include "ui/docks/AttributesDock.h"
 #include "ui/docks/AttributesModel.h"
 #include "ui/docks/ClassesDock.h"
+#include "ui/docks/HistoryDock.h"
 #include "ui/docks/JobsDock.h"
 #include "ui/docks/ProcessingDock.h"
 #include "ui/docks/PropertiesDock.h"
@@ -229,7 +230,8 @@ void MainMenu::makeView()
     QMenu* panels = menu->addMenu(tr("Pa&nels"));
     for (QDockWidget* dock : std::initializer_list<QDockWidget*>{
              &m_window.attributesDock(), &m_window.classesDock(), &m_window.processingDock(), &m_window.editDock(),
-             &m_window.propertiesDock(), &m_window.visibilityDock(), &m_window.measureDock(), &m_window.jobsDock()})
+             &m_window.propertiesDock(), &m_window.visibilityDock(), &m_window.measureDock(),
+             &m_window.historyDock(), &m_window.jobsDock()})
         panels->addAction(dock->toggleViewAction());
     QMenu* appearance = menu->addMenu(tr("App&earance"));
     m_appearances = new QActionGroup(this);

@@ -20,6 +20,7 @@
 #include "ui/docks/AttributesDock.h"
 #include "ui/docks/AttributesModel.h"
 #include "ui/docks/ClassesDock.h"
+#include "ui/docks/HistoryDock.h"
 #include "ui/docks/JobsDock.h"
 #include "ui/docks/JobsModel.h"
 #include "ui/docks/ProcessingDock.h"
@@ -145,6 +146,7 @@ void MainWindow::addDocks()
     m_classes = new ClassesDock(*m_view, this);
     m_processing = new ProcessingDock(*m_workspace, this);
     m_edit = new EditDock(*m_workspace, *m_selection, this);
+    m_history = new HistoryDock(*m_workspace, this);
     m_properties = new PropertiesDock(this);
     m_measureDock = new MeasureDock(*m_measurements, this);
     m_jobs = new JobsDock(*m_workspace, this);
@@ -160,15 +162,18 @@ void MainWindow::addDocks()
     addDockWidget(Qt::RightDockWidgetArea, m_measureDock);
     tabifyDockWidget(m_visibility, m_measureDock);
     addDockWidget(Qt::RightDockWidgetArea, m_jobs);
+    addDockWidget(Qt::RightDockWidgetArea, m_history);
+    tabifyDockWidget(m_jobs, m_history);
+    m_jobs->raise();
     m_processing->raise();
-    for (QDockWidget* dock : std::initializer_list<QDockWidget*>{m_attributes, m_classes, m_jobs}) {
+    for (QDockWidget* dock : std::initializer_list<QDockWidget*>{m_attributes, m_classes}) {
         auto* title = new QLabel(dock->windowTitle());
         title->setProperty("dockTitle", true);
         dock->setTitleBarWidget(title);
     }
     // These share a place, and their tabs say their names.
-    for (QDockWidget* dock :
-         std::initializer_list<QDockWidget*>{m_processing, m_edit, m_properties, m_visibility, m_measureDock})
+    for (QDockWidget* dock : std::initializer_list<QDockWidget*>{m_processing, m_edit, m_properties, m_visibility,
+                                                                 m_measureDock, m_jobs, m_history})
         dock->setTitleBarWidget(new QWidget);
     setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
     setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
@@ -208,6 +213,7 @@ void MainWindow::connectParts()
         m_classes->setDocument(document);
         m_processing->setDocument(document);
         m_edit->setDocument(document);
+        m_history->setDocument(document);
         m_properties->setDocument(document);
         m_visibility->setDocument(document);
         updateTitle();
@@ -217,13 +223,6 @@ void MainWindow::connectParts()
         m_processing->updateProgress();
     });
 
-    // one tool at a time has the mouse
-    connect(m_selectTools, &SelectTools::toolChanged, this, [this](SelectTools::Tool tool) {
-        if (tool != SelectTools::Tool::None) m_measureTools->setTool(std::nullopt);
-    });
-    connect(m_measureTools, &MeasureTools::toolChanged, this, [this] {
-        if (m_measureTools->tool()) m_selectTools->setTool(SelectTools::Tool::None);
-    });
     connect(m_viewport, &Viewport::filesDropped, this, &MainWindow::openFiles);
     connect(m_viewport, &Viewport::attributeDropped, this, &MainWindow::showAttribute);
     connect(m_viewport, &Viewport::openRequested, this, &MainWindow::chooseFiles);

@@ -31,6 +31,7 @@ class Measurements;
 class ProcessingDock;
 class PropertiesDock;
 class EditDock;
+class HistoryDock;
 class SelectBar;
 class SelectTools;
 class Selection;
@@ -94,6 +95,7 @@ public:
     SelectTools& selectTools() noexcept { return *m_selectTools; }
     SelectBar& selectBar() noexcept { return *m_selectBar; }
     EditDock& editDock() noexcept { return *m_edit; }
+    HistoryDock& historyDock() noexcept { return *m_history; }
     /// Keys go to the view.
     void focusView();
 
@@ -160,6 +162,7 @@ private:
     SelectTools* m_selectTools = nullptr;
     SelectBar* m_selectBar = nullptr;
     EditDock* m_edit = nullptr;
+    HistoryDock* m_history = nullptr;
     QLabel* m_readOut = nullptr;
     QLabel* m_viewState = nullptr;
     QLabel* m_backend = nullptr;

@@ -2,6 +2,7 @@
 #include "ui/Workspace.h"
 
 #include "core/Error.h"
+#include "core/edit/Extract.h"
 #include "core/edit/History.h"
 #include "core/process/MakeCommand.h"
 #include "core/task/Progress.h"
@@ -196,8 +197,9 @@ void Workspace::openingEnded(const std::shared_ptr<Opening>& opening, const JobI
     } else if (warnings.size() == 1)
         say(MessageKind::Warning, tr("%1: %2").arg(document->name(), warnings.front()));
     else if (!warnings.isEmpty())
-        say(MessageKind::Warning,
-            tr("%1 opened with %2 warnings; the File panel lists them.").arg(document->name()).arg(warnings.size()));
+        say(MessageKind::Warning, tr("%1 opened with %2 warnings; the File panel lists them.")
+                                      .arg(document->name())
+                                      .arg(warnings.size()));
     analyse(*document, {});
     m_recovery->look(*document);
 }
@@ -486,33 +488,47 @@ void Workspace::countUnsaved(Document& document)
 
 void Workspace::undo(Document& document)
 {
-    moveHistory(document, false);
-}
-void Workspace::redo(Document& document)
-{
-    moveHistory(document, true);
+    const History& history = *document.data()->history;
+    if (history.canUndo())
+        moveHistory(document, history.position() - 1, tr("Undo %1").arg(toQString(history.undoName())));
 }
 
-void Workspace::moveHistory(Document& document, bool forward)
+void Workspace::redo(Document& document)
+{
+    const History& history = *document.data()->history;
+    if (history.canRedo())
+        moveHistory(document, history.position() + 1, tr("Redo %1").arg(toQString(history.redoName())));
+}
+
+void Workspace::walk(Document& document, std::size_t position)
+{
+    if (position != document.data()->history->position() && !document.loading())
+        moveHistory(document, position, tr("Walk through the history of %1").arg(document.name()));
+}
+
+void Workspace::moveHistory(Document& document, std::size_t position, const QString& title)
 {
     const auto data = document.data();
-    const std::string what = forward ? data->history->redoName() : data->history->undoName();
-    if (what.empty()) return;
-    startJob((forward ? tr("Redo %1") : tr("Undo %1")).arg(toQString(what)),
-             [this, data, forward](Progress& progress) {
-                 progress.begin("Changing points", 1);
-                 const std::lock_guard gate(data->editGate);
-                 m_recovery->noteDown(*data, false, progress);
-                 ++data->edits;
-                 forward ? data->history->redo() : data->history->undo();
-             },
-             [this, alive = QPointer<Document>(&document)](const JobInfo& info) {
-                 if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
-                 if (!alive) return;
-                 alive->noteEdit();
-                 countUnsaved(*alive);
-             },
-             true);
+    startJob(
+        title,
+        [this, data, position](Progress& progress) {
+            History& history = *data->history;
+            progress.begin("Changing points", 1);
+            const std::lock_guard gate(data->editGate);
+            while (history.position() != position) {
+                progress.check();
+                const bool forward = history.position() < position;
+                if (forward ? !history.canRedo() : !history.canUndo()) break;  // others have been here meanwhile
+                m_recovery->noteDown(*data, false, progress);
+                ++data->edits;
+                forward ? history.redo() : history.undo();
+            }
+        },
+        [this, alive = QPointer<Document>(&document)](const JobInfo& info) {
+            if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
+            if (alive) edited(*alive);
+        },
+        true);
 }
 
 JobId Workspace::edit(Document& document, const QString& title, const Recipe& recipe, EditEnded ended)
@@ -545,6 +561,32 @@ JobId Workspace::edit(Document& document, const QString& title, const Recipe& re
         });
     m_documentJobs.emplace(&document, id);
     return id;
+}
+
+void Workspace::extract(Document& document, std::shared_ptr<const PointSet> points, const QString& path)
+{
+    const std::filesystem::path target = toPath(QDir::cleanPath(QDir::current().absoluteFilePath(path)));
+    const auto report = std::make_shared<las::WriteReport>();
+    startJob(
+        tr("Save selected points of %1").arg(document.name()),
+        [data = document.data(), points = std::move(points), original = toPath(document.path()), target,
+         report](Progress& progress) {
+            std::error_code ignored;
+            if (target == original || std::filesystem::equivalent(target, original, ignored))
+                throw Error(target,
+                            "this is the file that is open; points that are not selected would be lost. "
+                            "Choose another name.");
+            las::WriteOptions options;
+            options.compressed = las::isCompressedName(target);
+            options.copyChunks = false;
+            *report = las::write(*extracted(*data->cloud, *points, progress), target, options, progress);
+        },
+        [this, target, report](const JobInfo& info) {
+            if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
+            if (info.state == JobState::Finished)
+                say(MessageKind::Info,
+                    tr("Saved %1 to %2.").arg(pointsText(report->points), toQString(target.filename())));
+        });
 }
 
 void Workspace::edited(Document& document)

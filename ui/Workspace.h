@@ -64,6 +64,8 @@ public:
     AskQuestion askQuestion;
     void undo(Document& document);
     void redo(Document& document);
+    /// Undoes or redoes until so many of the history's commands are in force.
+    void walk(Document& document, std::size_t position);
     /// Runs a processing step and applies its command; stepEnded tells the result.
     JobId run(Document& document, const Step& step, const StepValues& values);
 
@@ -75,6 +77,9 @@ public:
     };
     using EditEnded = std::function<void(const JobInfo&, const EditOutcome&)>;
     JobId edit(Document& document, const QString& title, const Recipe& recipe, EditEnded ended);
+
+    /// Writes these points alone to another file than the document's.
+    void extract(Document& document, std::shared_ptr<const PointSet> points, const QString& path);
 
     /// The document was changed by a job of somebody else: says so, and counts what is unsaved.
     void edited(Document& document);
@@ -119,7 +124,7 @@ private:
     void remove(Document& document, bool openingFailed);
     void handleNotice(Document& document, const ChangeNotice& notice, std::vector<Attribute> attributes);
     void analyse(Document& document, const QStringList& names);
-    void moveHistory(Document& document, bool forward);
+    void moveHistory(Document& document, std::size_t position, const QString& title);
     void countUnsaved(Document& document);
 
     struct Watch {

@@ -150,6 +150,7 @@ void addBench(CLI::App& root, Action& action)
     addBenchOrder(bench, action);
     addBenchAttribute(bench, action);
     addBenchEdit(bench, action);
+    addBenchSelect(bench, action);
     addBenchProcess(bench, action);
     bench.require_subcommand(1);
 }

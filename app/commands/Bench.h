@@ -33,6 +33,7 @@ void addBenchRender(CLI::App& bench, Action& action);
 void addBenchOrder(CLI::App& bench, Action& action);
 void addBenchAttribute(CLI::App& bench, Action& action);
 void addBenchEdit(CLI::App& bench, Action& action);
+void addBenchSelect(CLI::App& bench, Action& action);
 void addBenchProcess(CLI::App& bench, Action& action);
 
 /// Seconds since it was made or restarted.

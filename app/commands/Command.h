@@ -35,6 +35,7 @@ void addConvert(CLI::App& root, Action& action);
 void addDiff(CLI::App& root, Action& action);
 void addRender(CLI::App& root, Action& action);
 void addProcess(CLI::App& root, Action& action);
+void addExtract(CLI::App& root, Action& action);
 void addReplay(CLI::App& root, Action& action);
 void addSample(CLI::App& root, Action& action);
 void addBench(CLI::App& root, Action& action);

@@ -67,6 +67,10 @@ public:
         m_done = !m_done;
     }
 
+    void prepare() override { m_edit->prepare(); }
+    void stow() noexcept override { m_edit->stow(); }
+    std::size_t memory() const noexcept override { return m_edit->memory() + std::size_t(m_narrow.size()); }
+
     Effect effect() const override { return {{m_wide.columns[0]}, {m_wide}, {m_narrow}}; }
     void cross(const Column& column, std::span<std::byte> values) const override { m_edit->cross(column, values); }
 

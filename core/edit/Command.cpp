@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
+#include <limits>
 #include <mutex>
+#include <new>
 #include <utility>
 
 namespace punctum
@@ -120,14 +122,87 @@ void ValueCommand::apply(PointCloud& cloud) noexcept
     cloud.notify(m_notice);
 }
 
+std::shared_ptr<const PointSet> ValueCommand::set() const
+{
+    return m_points ? m_points : std::make_shared<const PointSet>(m_packedPoints->unpacked());
+}
+
+std::vector<std::byte> ValueCommand::unpackedValues() const
+{
+    const std::size_t bytes = m_column->elementBytes();
+    std::vector<std::byte> values;
+    values.reserve(std::size_t(m_count) * bytes);
+    for (std::size_t at = 0; at < m_packedValues->size(); at += sizeof(std::uint32_t) + bytes) {
+        std::uint32_t count = 0;
+        std::memcpy(&count, m_packedValues->data() + at, sizeof count);
+        const std::byte* const element = m_packedValues->data() + at + sizeof count;
+        for (std::uint32_t k = 0; k < count; ++k) values.insert(values.end(), element, element + bytes);
+    }
+    return values;
+}
+
+void ValueCommand::prepare()
+{
+    auto points = set();
+    if (m_packedValues) {
+        m_values = unpackedValues();
+        m_packedValues.reset();
+    }
+    m_packedPoints.reset();
+    m_points = std::move(points);
+    m_notice.points = m_points;
+}
+
+void ValueCommand::stow() noexcept
+{
+    try {
+        if (m_points && !m_packedPoints) {
+            PackedSet packed(*m_points);
+            if (packed.bytes() < m_points->words().size_bytes()) {
+                m_packedPoints = std::move(packed);
+                m_points.reset();
+                m_notice.points.reset();
+            }
+        }
+        if (m_packedValues) return;
+        const std::size_t bytes = m_column->elementBytes();
+        std::vector<std::byte> packed;
+        for (std::size_t at = 0; at < m_values.size();) {
+            std::size_t end = at + bytes;
+            const std::size_t most =
+                std::min(m_values.size(), at + bytes * std::numeric_limits<std::uint32_t>::max());
+            while (end < most && std::memcmp(m_values.data() + at, m_values.data() + end, bytes) == 0) end += bytes;
+            const auto count = std::uint32_t((end - at) / bytes);
+            const auto* const first = reinterpret_cast<const std::byte*>(&count);
+            packed.insert(packed.end(), first, first + sizeof count);
+            packed.insert(packed.end(), m_values.begin() + std::ptrdiff_t(at),
+                          m_values.begin() + std::ptrdiff_t(at + bytes));
+            if (packed.size() >= m_values.size()) return;
+            at = end;
+        }
+        packed.shrink_to_fit();
+        m_packedValues = std::move(packed);
+        m_values = {};
+    } catch (const std::bad_alloc&) {
+        // then it stays as it is, which is as good
+    }
+}
+
+std::size_t ValueCommand::memory() const noexcept
+{
+    return (m_points ? m_points->words().size_bytes() : m_packedPoints->bytes()) +
+           (m_packedValues ? m_packedValues->size() : m_values.size());
+}
+
 void ValueCommand::cross(const Column& column, std::span<std::byte> values) const
 {
     if (&column != m_column.get()) return;
     const std::size_t bytes = column.elementBytes();
-    const std::byte* theirs = m_values.data();
+    const std::vector<std::byte> unpacked = m_packedValues ? unpackedValues() : std::vector<std::byte>();
+    const std::byte* theirs = m_packedValues ? unpacked.data() : m_values.data();
     std::byte mask[sizeof m_mask];
     std::memcpy(mask, &m_mask, sizeof mask);
-    m_points->forEach([&](PointIndex i) {
+    set()->forEach([&](PointIndex i) {
         std::byte* const ours = values.data() + i * bytes;
         for (std::size_t k = 0; k < bytes; ++k) {
             const std::byte m = k < sizeof mask ? mask[k] : std::byte(0xFF);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/cloud/PointCloud.h"
+#include "core/edit/PackedSet.h"
 #include "core/edit/Recipe.h"
 
 #include <cstddef>
@@ -39,6 +40,12 @@ public:
     /// Does it if undone, undoes it if done: takes cloud.mutex() alone for the time of the swap, then notifies.
     /// Parallel; never throws; call it from a job, not the GUI thread.
     virtual void apply(PointCloud& cloud) noexcept = 0;
+    /// Makes ready for apply() what stow() put together. May throw; nothing has changed then.
+    virtual void prepare() {}
+    /// Puts together what is kept until the next apply(), in as little memory as it takes.
+    virtual void stow() noexcept {}
+    /// Bytes that it keeps, about.
+    virtual std::size_t memory() const noexcept { return 0; }
 
     /// What there is to be seen of it in the cloud, done or undone.
     struct Effect {
@@ -69,8 +76,11 @@ public:
                  std::vector<std::byte> values);
 
     PointIndex changedPoints() const noexcept override { return m_count; }
-    std::shared_ptr<const PointSet> points() const override { return m_points; }
+    std::shared_ptr<const PointSet> points() const override { return set(); }
     void apply(PointCloud& cloud) noexcept override;
+    void prepare() override;
+    void stow() noexcept override;
+    std::size_t memory() const noexcept override;
     Effect effect() const override { return {{m_column}, {}, {}}; }
     void cross(const Column& column, std::span<std::byte> values) const override;
 
@@ -82,6 +92,12 @@ private:
     PointIndex m_count = 0;
     std::uint64_t m_mask = ~std::uint64_t(0);  ///< bits of an element that belong to the attribute
     std::vector<std::byte> m_values;
+    // while it is stowed: the set as runs, and the values as runs of equal ones; each only where that is shorter
+    std::optional<PackedSet> m_packedPoints;
+    std::optional<std::vector<std::byte>> m_packedValues;  ///< a count of 4 bytes and an element for each run
+
+    std::shared_ptr<const PointSet> set() const;
+    std::vector<std::byte> unpackedValues() const;
 };
 
 /// Adds attributes with columns that are already filled (normals); undoing takes them out again.

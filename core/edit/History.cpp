@@ -76,27 +76,48 @@ void History::push(std::unique_ptr<Command> command)
     if (m_saved > std::ptrdiff_t(m_done)) m_saved = -1;
     m_commands.push_back(std::move(command));
     ++m_done;
+    stowDistant();
 }
 
 void History::undo()
 {
     const std::lock_guard changing(m_changing);
     if (!canUndo()) return;
-    if (const auto journal = this->journal()) journal->undone();
     // Only a change alters m_commands and m_done, and changes take turns: reading them here needs no lock.
-    m_commands[m_done - 1]->apply(*m_cloud);
+    Command& command = *m_commands[m_done - 1];
+    command.prepare();
+    if (const auto journal = this->journal()) journal->undone();
+    command.apply(*m_cloud);
     const std::lock_guard lock(m_mutex);
     --m_done;
+    stowDistant();
 }
 
 void History::redo()
 {
     const std::lock_guard changing(m_changing);
     if (!canRedo()) return;
+    Command& command = *m_commands[m_done];
+    command.prepare();
     if (const auto journal = this->journal()) journal->redone();
-    m_commands[m_done]->apply(*m_cloud);
+    command.apply(*m_cloud);
     const std::lock_guard lock(m_mutex);
     ++m_done;
+    stowDistant();
+}
+
+/// Commands near the present state are at hand at once; the others are put together once they take too much.
+void History::stowDistant() noexcept
+{
+    std::size_t bytes = 0;
+    const auto visit = [&](Command& command) {
+        bytes += command.memory();
+        if (bytes > m_loose) command.stow();
+    };
+    for (std::size_t step = 0; step < m_commands.size(); ++step) {
+        if (step < m_done) visit(*m_commands[m_done - 1 - step]);
+        if (m_done + step < m_commands.size()) visit(*m_commands[m_done + step]);
+    }
 }
 
 void History::setJournal(std::shared_ptr<Journal> journal)
@@ -203,6 +224,15 @@ std::vector<std::string> History::names() const
     names.reserve(m_commands.size());
     for (const auto& command : m_commands) names.push_back(command->name());
     return names;
+}
+
+std::size_t History::memory() const
+{
+    const std::lock_guard changing(m_changing);
+    const std::lock_guard lock(m_mutex);
+    std::size_t bytes = 0;
+    for (const auto& command : m_commands) bytes += command->memory();
+    return bytes;
 }
 
 std::size_t History::position() const

@@ -31,7 +31,12 @@ struct AttributeChange {
 class History
 {
 public:
-    explicit History(std::shared_ptr<PointCloud> cloud) : m_cloud(std::move(cloud)) {}
+    /// `loose`: bytes that the commands nearest to the present state may take; the others are kept in as little
+    /// memory as it takes, and are a little slower to undo.
+    explicit History(std::shared_ptr<PointCloud> cloud, std::size_t loose = std::size_t(256) << 20)
+        : m_cloud(std::move(cloud)), m_loose(loose)
+    {
+    }
 
     /// Applies the command and puts it on top; commands that were undone are gone. Null: nothing happens.
     void push(std::unique_ptr<Command> command);
@@ -55,10 +60,14 @@ public:
     /// longer be reached. Waits for a change that goes on; memory: a column at a time. Throws Cancelled.
     std::optional<std::vector<AttributeChange>> changes(Progress& progress) const;
     std::vector<std::string> names() const;  ///< oldest first
+    std::size_t memory() const;              ///< bytes that the commands keep, about
     std::size_t position() const;            ///< how many of names() are in force
 
 private:
+    void stowDistant() noexcept;
+
     std::shared_ptr<PointCloud> m_cloud;
+    std::size_t m_loose;
     mutable std::mutex m_changing;  ///< one change at a time
     mutable std::mutex m_mutex;     ///< guards what follows
     std::vector<std::unique_ptr<Command>> m_commands;

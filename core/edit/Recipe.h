@@ -11,8 +11,8 @@
 namespace punctum
 {
 
-/// What a command was made from, and can be made from again on the same points: a processing step (core/process), its
-/// values, and the points that it may change. What a journal keeps.
+/// What a command was made from, and can be made from again on the same points: a processing step (core/process),
+/// its values, and the points that it may change. What a journal keeps.
 struct Recipe {
     std::string step;  ///< "set", "normals", ...
     std::map<std::string, std::string, std::less<>> values;

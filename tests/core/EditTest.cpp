@@ -9,11 +9,13 @@
 
 #include <atomic>
 #include <chrono>
+#include <random>
 #include <thread>
 
 using namespace punctum;
 
-namespace {
+namespace
+{
 
 /// Every `step`th point of the cloud.
 std::shared_ptr<PointSet> everyNth(PointIndex size, PointIndex step)
@@ -66,7 +68,8 @@ std::vector<Attribute> normals(PointIndex size, float value)
 
 }  // namespace
 
-class EditTest : public QObject {
+class EditTest : public QObject
+{
     Q_OBJECT
 
 private slots:
@@ -80,6 +83,7 @@ private slots:
     void attributesReplaceInPlace();
     void attributesReplaceAnotherType();
     void attributesReplaceWithoutVector();
+    void randomEditsComeBack();
     void historyKeepsItsRules();
     void historyKnowsWhatWasSaved();
     void historyTellsWhatDiffers();
@@ -473,6 +477,54 @@ void EditTest::writerGetsInWhileReadersRead()
     done = true;
     reader.join();
     QVERIFY(waited < std::chrono::milliseconds(200));
+}
+
+/// 1,000 edits of every kind of set and type, undone and redone; and what the commands keep is packed.
+void EditTest::randomEditsComeBack()
+{
+    constexpr PointIndex kSize = 20'077;
+    const auto cloud = makeFrame(kSize, {}, true);
+    addScalar<std::uint16_t>(*cloud, "Intensity");
+    addScalar<double>(*cloud, "GpsTime");
+    addScalar<std::uint64_t>(*cloud, "Id");
+    std::mt19937_64 random(12);
+    for (const auto& column : cloud->columns())
+        for (std::size_t k = 0; k < column->size() * column->elementBytes(); ++k)
+            column->data()[k] = std::byte(column->name() == "GpsTime" ? 0 : random() % 3);
+    const char* const names[] = {"Classification", "Withheld", "Intensity", "GpsTime", "Id"};
+    History history(cloud, 1 << 20);
+    std::vector<std::vector<std::vector<std::byte>>> states{snapshot(*cloud)};
+    std::size_t unpacked = 0;
+    for (int k = 0; k < 1000; ++k) {
+        const Attribute attribute = *cloud->findAttribute(names[random() % 5]);
+        auto points = std::make_shared<PointSet>(kSize);
+        const unsigned dense = 1 + unsigned(random() % 4) * 100;
+        const PointIndex first = random() % kSize, last = first + random() % (kSize - first);
+        for (PointIndex i = first; i <= last; i += 1 + random() % dense) points->insert(i);
+        const PointIndex count = points->count();
+        std::vector<std::byte> values;
+        const bool equal = random() % 2 == 0;
+        for (std::size_t b = 0; b < count * attribute.columns[0]->elementBytes(); ++b)
+            values.push_back(equal ? std::byte(1) : std::byte(random()));
+        unpacked += values.size() + kSize / 8;
+        history.push(std::make_unique<ValueCommand>("edit", attribute, std::move(points), std::move(values)));
+        if (k % 100 == 99) states.push_back(snapshot(*cloud));
+    }
+    const std::size_t kept = history.memory();
+    qInfo("%zu bytes kept, %zu unpacked", kept, unpacked);
+    QVERIFY(kept < unpacked);
+    for (int round = 0; round < 2; ++round) {
+        for (std::size_t k = states.size(); k-- > 0;) {
+            QVERIFY(snapshot(*cloud) == states[k]);
+            for (int n = 0; n < 100 && k > 0; ++n) history.undo();
+        }
+        QVERIFY(!history.canUndo());
+        for (std::size_t k = 0; k < states.size(); ++k) {
+            QVERIFY(snapshot(*cloud) == states[k]);
+            for (int n = 0; n < 100 && k + 1 < states.size(); ++n) history.redo();
+        }
+        QVERIFY(!history.canRedo());
+    }
 }
 
 QTEST_APPLESS_MAIN(EditTest)

@@ -10,6 +10,7 @@
 #include "ui/ViewSettings.h"
 #include "ui/Viewport.h"
 #include "ui/Workspace.h"
+#include "ui/docks/HistoryDock.h"
 #include "ui/select/EditDock.h"
 #include "ui/select/SelectBar.h"
 #include "ui/select/SelectTools.h"
@@ -18,7 +19,9 @@
 #include <QCheckBox>
 #include <QDir>
 #include <QFile>
+#include <QFileInfo>
 #include <QLineEdit>
+#include <QListWidget>
 #include <QPushButton>
 #include <QWheelEvent>
 
@@ -366,6 +369,17 @@ private slots:
         QTest::keyClick(&b.view(), Qt::Key_Z, Qt::ControlModifier);
         QVERIFY(waitFor([&] { return b.document->data()->history->position() == 0; }) && b.done());
         for (PointIndex i = 0; i < before.size(); ++i) QCOMPARE(int(classes.number(i)), before[i]);
+        // the history can be walked
+        QListWidget& list = b.window->historyDock().list();
+        b.window->historyDock().show();
+        b.window->historyDock().raise();
+        QCOMPARE(list.count(), 2);
+        QTest::mouseClick(list.viewport(), Qt::LeftButton, {}, list.visualItemRect(list.item(1)).center());
+        QVERIFY(waitFor([&] { return b.document->data()->history->position() == 1; }) && b.done());
+        points->forEach([&](PointIndex i) { QCOMPARE(int(classes.number(i)), 6); });
+        QTest::mouseClick(list.viewport(), Qt::LeftButton, {}, list.visualItemRect(list.item(0)).center());
+        QVERIFY(waitFor([&] { return b.document->data()->history->position() == 0; }) && b.done());
+        for (PointIndex i = 0; i < before.size(); ++i) QCOMPARE(int(classes.number(i)), before[i]);
         // from one class to another
         QVERIFY(b.runEdit([&] { b.window->editDock().setClass(9, 2); }));
         for (PointIndex i = 0; i < before.size(); ++i)
@@ -433,6 +447,41 @@ private slots:
         QVERIFY(b.begin(Tool::None, file));
         QVERIFY(b.done());
         QCOMPARE(b.document->data()->history->position(), std::size_t(0));
+    }
+
+    void deleteMarksAndSelectedPointsGoToAnotherFile()
+    {
+        NEED_AUTZEN();
+        Bench b;
+        QVERIFY(b.begin(Tool::Rectangle));
+        b.drag(b.at(0.3, 0.3), b.at(0.6, 0.6));
+        QVERIFY(b.done());
+        const auto points = b.points();
+        const Attribute withheld = *b.document->findAttribute(QStringLiteral("Withheld"));
+        QVERIFY(b.runEdit([&] { b.key(Qt::Key_Delete); }));
+        for (PointIndex i = 0; i < b.document->points(); ++i)
+            QCOMPARE(withheld.number(i), points->contains(i) ? 1.0 : 0.0);
+        QVERIFY(b.runEdit([&] { QTest::keyClick(&b.view(), Qt::Key_Delete, Qt::ShiftModifier); }));
+        for (PointIndex i = 0; i < b.document->points(); ++i) QCOMPARE(withheld.number(i), 0.0);
+
+        const QString part = b.folder.filePath(QStringLiteral("part.laz"));
+        b.window->workspace().extract(*b.document, points, part);
+        QVERIFY(b.done());
+        Document* const other = b.open(part);
+        QVERIFY(other && other != b.document);
+        QCOMPARE(other->points(), points->count());
+        PointIndex k = 0;
+        points->forEach([&](PointIndex i) {
+            QVERIFY(other->cloud()->world(k) == b.document->cloud()->world(i));
+            ++k;
+        });
+        // the open file itself is not replaced by a part of it
+        const qint64 size = QFileInfo(part).size();
+        auto first = std::make_shared<PointSet>(other->points());
+        first->insert(0);
+        b.window->workspace().extract(*other, first, part);
+        QVERIFY(b.done());
+        QCOMPARE(QFileInfo(part).size(), size);
     }
 
     void rulesSelectPreviewAndApply()

@@ -242,6 +242,12 @@ void EditDock::setClass(unsigned to, std::optional<unsigned> from)
     runRule(rule, true, tr("Set class %1").arg(classText(to)));
 }
 
+void EditDock::setWithheld(bool withheld)
+{
+    if (m_selection.count() == 0) return say(tr("Select the points first."));
+    runRule(QStringLiteral("Withheld = %1").arg(withheld ? 1 : 0), true, withheld ? tr("Withhold") : tr("Restore"));
+}
+
 void EditDock::applyRule()
 {
     runRule(m_rule->text(), m_selectedOnly->isEnabled() && m_selectedOnly->isChecked(), tr("Set by rule"));

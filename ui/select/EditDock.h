@@ -34,6 +34,8 @@ public:
     void setDocument(Document* document);
     /// Gives the selected points the class; those of class `from` alone, when it is given.
     void setClass(unsigned to, std::optional<unsigned> from = {});
+    /// Marks the selected points as withheld (deleted, in the standard's words), or takes the mark away.
+    void setWithheld(bool withheld);
     QLineEdit& rule() noexcept { return *m_rule; }
     QCheckBox& selectedOnly() noexcept { return *m_selectedOnly; }
     QPushButton& previewButton() noexcept { return *m_preview; }

@@ -12,8 +12,11 @@
 #include <QActionGroup>
 #include <QComboBox>
 #include <QDoubleSpinBox>
+#include <QFileDialog>
+#include <QFileInfo>
 #include <QLabel>
 #include <QMenu>
+#include <QPointer>
 #include <QToolBar>
 
 namespace punctum::ui
@@ -83,7 +86,8 @@ void SelectBar::addActions()
 {
     m_select->addSeparator();
     const auto add = [this](const QString& text, QKeySequence keys, const QString& tip, std::function<void()> act) {
-        m_menu.needsDocument(m_menu.add(m_select, text, {}, {keys}, tip, std::move(act)));
+        m_menu.needsDocument(m_menu.add(m_select, text, {}, keys.isEmpty() ? QList<QKeySequence>() : QList{keys},
+                                        tip, std::move(act)));
     };
     add(tr("Select &All"), QKeySequence(QKeySequence::SelectAll),
         tr("Select all points that are shown and not locked"), [this] { m_selection.selectAll(); });
@@ -91,6 +95,13 @@ void SelectBar::addActions()
     add(tr("&Invert"), QKeySequence(Qt::CTRL | Qt::Key_I), tr("Select what is not selected"),
         [this] { m_selection.invert(); });
     m_select->addSeparator();
+    add(tr("Mark as &Deleted (Withheld)"), QKeySequence(Qt::Key_Delete),
+        tr("Mark the selected points as withheld, the standard's word for deleted"),
+        [this] { m_window.editDock().setWithheld(true); });
+    add(tr("&Restore"), QKeySequence(Qt::SHIFT | Qt::Key_Delete), tr("Take that mark off the selected points"),
+        [this] { m_window.editDock().setWithheld(false); });
+    add(tr("&Save Selected Points As..."), {}, tr("Write the selected points alone to another file"),
+        [this] { saveSelected(); });
     QMenu* classes = m_select->addMenu(tr("Set &Class"));
     for (unsigned code = 0; code < 10; ++code) {
         QAction* action = m_menu.add(
@@ -98,6 +109,20 @@ void SelectBar::addActions()
             tr("Give the selected points this class"), [this, code] { m_window.editDock().setClass(code); });
         m_menu.needsDocument(action);
     }
+}
+
+void SelectBar::saveSelected()
+{
+    Document* const document = m_window.workspace().active();
+    const auto points = m_selection.points(document);
+    if (!points) return m_window.workspace().say(MessageKind::Info, tr("Select the points first."));
+    const QFileInfo file(document->path());
+    const QPointer<Document> target(document);
+    const QString path = QFileDialog::getSaveFileName(
+        &m_window, tr("Save selected points as"),
+        file.path() + QLatin1Char('/') + file.completeBaseName() + tr("-part.") + file.suffix(),
+        tr("LAS/LAZ point clouds (*.las *.laz)"));
+    if (!path.isEmpty() && target) m_window.workspace().extract(*target, points, path);
 }
 
 void SelectBar::addChoices()

@@ -35,6 +35,7 @@ public:
 private:
     void addTool(SelectTools::Tool tool, const QString& text, const QString& icon, Qt::Key key, const QString& tip);
     void addActions();
+    void saveSelected();
     void addChoices();
     void takeSettings();
     void takeCount();

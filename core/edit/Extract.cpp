@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "core/edit/Extract.h"
+
+#include "core/task/Progress.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <mutex>
+
+namespace punctum
+{
+
+namespace
+{
+
+constexpr std::size_t kTaskWords = 1024;  // of the set: 65,536 points
+
+}  // namespace
+
+std::shared_ptr<PointCloud> extracted(const PointCloud& cloud, const PointSet& points, Progress& progress)
+{
+    const std::shared_lock lock(cloud.mutex());
+    const std::size_t words = points.words().size();
+    std::vector<PointIndex> ranks;  // members before each task's words
+    PointIndex count = 0;
+    for (std::size_t first = 0; first < words; first += kTaskWords) {
+        ranks.push_back(count);
+        const std::size_t last = std::min(words, first + kTaskWords);
+        for (std::size_t w = first; w < last; ++w) count += PointIndex(std::popcount(points.words()[w]));
+    }
+    progress.begin("Taking points", cloud.columns().size() * ranks.size());
+    auto part = std::make_shared<PointCloud>(count, cloud.coordinates());
+    for (const auto& from : cloud.columns()) {
+        const auto to =
+            part->addColumn(std::make_shared<Column>(from->name(), from->type(), count, from->components()));
+        const std::size_t bytes = from->elementBytes();
+        // Isolated: while it waits for its helpers, this thread must not pick up work that wants the lock it holds.
+        tbb::this_task_arena::isolate([&] {
+            tbb::parallel_for(std::size_t(0), ranks.size(), [&](std::size_t task) {
+                if (progress.cancelled()) return;
+                std::byte* out = to->data() + ranks[task] * bytes;
+                const std::size_t first = task * kTaskWords, last = std::min(words, first + kTaskWords);
+                points.forEachInWords(first, last, [&](PointIndex i) {
+                    std::memcpy(out, from->data() + i * bytes, bytes);
+                    out += bytes;
+                });
+                progress.add(1);
+            });
+        });
+        progress.check();
+    }
+    for (Attribute attribute : cloud.attributes()) {
+        for (std::uint32_t c = 0; c < attribute.components; ++c) {
+            const auto& all = cloud.columns();
+            const auto at = std::find(all.begin(), all.end(), attribute.columns[c]) - all.begin();
+            attribute.columns[c] = part->columns()[std::size_t(at)];
+        }
+        part->addAttribute(std::move(attribute));
+    }
+    part->setSource(cloud.source());
+    return part;
+}
+
+}  // namespace punctum

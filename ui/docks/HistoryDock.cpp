@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "ui/docks/HistoryDock.h"
+
+#include "core/edit/History.h"
+#include "ui/Document.h"
+#include "ui/Text.h"
+#include "ui/Workspace.h"
+#include "ui/style/Theme.h"
+
+#include <QListWidget>
+
+namespace punctum::ui
+{
+
+HistoryDock::HistoryDock(Workspace& workspace, QWidget* parent)
+    : QDockWidget(tr("History"), parent), m_workspace(workspace), m_list(new QListWidget)
+{
+    setObjectName(QStringLiteral("history"));
+    m_list->setFrameShape(QFrame::NoFrame);
+    m_list->setAccessibleName(tr("Edits, oldest first"));
+    m_list->setToolTip(tr("Click an edit to go back or forward to the state after it"));
+    setWidget(m_list);
+    connect(m_list, &QListWidget::itemClicked, this, [this](QListWidgetItem* item) {
+        if (m_document) m_workspace.walk(*m_document, std::size_t(m_list->row(item)));
+    });
+    connect(m_list, &QListWidget::itemActivated, m_list, &QListWidget::itemClicked);
+    fill();
+}
+
+void HistoryDock::setDocument(Document* document)
+{
+    if (m_document) m_document->disconnect(this);
+    m_document = document;
+    if (document) connect(document, &Document::stateChanged, this, &HistoryDock::fill);
+    fill();
+}
+
+void HistoryDock::fill()
+{
+    QStringList names;
+    std::size_t position = 0;
+    if (m_document) {
+        const History& history = *m_document->data()->history;
+        names << tr("Opened");
+        for (const std::string& name : history.names()) names << toQString(name);
+        position = history.position();
+    }
+    // stateChanged comes often, while a file loads for example: nothing moves unless something is other
+    bool same = names.size() == m_list->count();
+    for (int row = 0; same && row < m_list->count(); ++row) same = m_list->item(row)->text() == names[row];
+    if (!same) {
+        m_list->clear();
+        m_list->addItems(names);
+    }
+    for (int row = 0; row < m_list->count(); ++row) {
+        QListWidgetItem& item = *m_list->item(row);
+        item.setForeground(std::size_t(row) > position ? QBrush(themeColors().dim) : QBrush());
+        QFont font = item.font();
+        font.setBold(std::size_t(row) == position);
+        item.setFont(font);
+    }
+    if (m_list->count() > 0) m_list->setCurrentRow(int(position));
+}
+
+}  // namespace punctum::ui
