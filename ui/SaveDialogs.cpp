@@ -54,7 +54,7 @@ void showReport(QWidget* parent, const QString& title, const QString& text)
 void askQuestion(QWidget* parent, const QString& question, const QString& reason, const QString& yes,
                  std::function<void(bool)> then)
 {
-    auto* box = new QMessageBox(QMessageBox::NoIcon, QObject::tr("Save"), question,
+    auto* box = new QMessageBox(QMessageBox::NoIcon, QStringLiteral("Punctum"), question,
                                 QMessageBox::Save | QMessageBox::Cancel, parent);
     box->setObjectName(QStringLiteral("savingQuestion"));
     box->setIconPixmap(lineIcon(QStringLiteral("warning"), themeColors().warning).pixmap(32, 32));
