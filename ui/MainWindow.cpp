@@ -177,8 +177,8 @@ void MainWindow::addDocks()
         dock->setTitleBarWidget(new QWidget);
     setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
     setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
-    resizeDocks({m_attributes, m_processing}, {330, 310}, Qt::Horizontal);
-    resizeDocks({m_attributes, m_classes}, {690, 230}, Qt::Vertical);
+    resizeDocks({m_attributes, m_processing}, {350, 310}, Qt::Horizontal);
+    resizeDocks({m_attributes, m_classes}, {640, 280}, Qt::Vertical);
     resizeDocks({m_processing, m_jobs}, {700, 170}, Qt::Vertical);
 }
 

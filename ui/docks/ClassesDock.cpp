@@ -78,6 +78,10 @@ ClassesDock::ClassesDock(ViewSettings& settings, QWidget* parent)
     header->setSectionResizeMode(ClassesModel::Name, QHeaderView::Stretch);
     header->resizeSection(ClassesModel::Visible, 30);
     header->resizeSection(ClassesModel::Color, 28);
+    header->setSectionResizeMode(ClassesModel::Code, QHeaderView::Fixed);
+    header->resizeSection(ClassesModel::Code, 46);
+    header->setSectionResizeMode(ClassesModel::Locked, QHeaderView::Fixed);
+    header->resizeSection(ClassesModel::Locked, 44);
     connect(m_view, &QTableView::clicked, this, [this](const QModelIndex& index) {
         if (index.column() == ClassesModel::Color) chooseColor(index);
     });

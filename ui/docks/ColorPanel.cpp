@@ -73,7 +73,7 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
       m_high(new QLineEdit),
       m_auto(new QPushButton(tr("Auto"))),
       m_bands(new QSpinBox),
-      m_eyeDome(new QCheckBox(tr("Eye-dome lighting"))),
+      m_eyeDome(new QCheckBox(tr("Eye-dome"))),
       m_size(new QDoubleSpinBox),
       m_sizing(new QComboBox),
       m_round(new QCheckBox(tr("Round"))),
@@ -142,6 +142,10 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     connect(m_samples, &QComboBox::activated, this,
             [this] { m_settings.setSamples(m_samples->currentData().toInt()); });
 
+    auto* colors = new QHBoxLayout;
+    colors->setSpacing(8);
+    colors->addWidget(m_map, 3);
+    colors->addWidget(m_bands, 2);
     auto* range = new QHBoxLayout;
     range->setSpacing(6);
     range->addWidget(m_low, 1);
@@ -162,6 +166,7 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     shape->setSpacing(8);
     shape->addWidget(m_round, 1);
     shape->addWidget(m_averaged, 1);
+    shape->addWidget(m_eyeDome, 1);
 
     auto* form = new QFormLayout(this);
     form->setContentsMargins(0, 4, 0, 0);
@@ -174,13 +179,11 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
         label->setMinimumHeight(kFieldHeight);  // in line with the middle of its field
         form->addRow(label, field);
     };
-    addRow(tr("Colors"), m_map);
+    addRow(tr("Colors"), colors);
     addRow(tr("Range"), range);
-    addRow(tr("Steps"), m_bands);
     addRow(tr("Points"), points);
     addRow(tr("Look"), shape);
     addRow(tr("Samples"), m_samples);
-    addRow(tr("Light"), m_eyeDome);
 
     connect(&m_settings, &ViewSettings::changed, this, &ColorPanel::takeSettings);
     takeSettings();
