@@ -15,6 +15,31 @@ namespace
 constexpr int kWidth = 1280;
 constexpr int kHeight = 800;
 constexpr double kFrameSeconds = 0.0166;
+constexpr int kTurnFrames = 120, kFramesPerSwitch = 40;
+constexpr double kHalfTurn = 3.14159265358979;
+
+/// Frames of a half turn in which the attribute is switched three times: of a large cloud something streams in most
+/// of them.
+void measureTurn(render::ProgressiveRenderer& renderer, render::DisplaySettings display,
+                 const std::array<std::string, 2>& names, Figures& figures, Progress& progress)
+{
+    const render::Camera before = renderer.camera();
+    std::vector<double> times;
+    for (int frame = 0; frame < kTurnFrames; ++frame) {
+        progress.check();
+        const Clock clock;
+        display.attribute = names[std::size_t(frame / kFramesPerSwitch) % 2];
+        renderer.setDisplay(display);
+        render::Camera camera = before;
+        camera.orbit(kHalfTurn * frame / kTurnFrames, 0.0);
+        renderer.setCamera(camera);
+        renderer.renderFrame(kFrameSeconds);
+        times.push_back(clock.milliseconds());
+    }
+    figures.add("turning_frame_ms_p95", percentile(times, 0.95));
+    renderer.setCamera(before);
+    drawAll(renderer, false, progress);
+}
 
 void runBenchAttribute(const BenchOptions& options, Progress& progress)
 {
@@ -57,6 +82,10 @@ void runBenchAttribute(const BenchOptions& options, Progress& progress)
         figures.add("switch_visible_ms", visible);
         figures.add("switch_all_ms", spent);
         figures.add("mpts_per_s", double(cloud.cloud->size()) / spent * 1e-3);
+        measureTurn(renderer, display, names, figures, progress);
+        display.attribute = names[which];
+        renderer.setDisplay(display);
+        drawAll(renderer, false, progress);
     }
     figures.report(options);
 }

@@ -107,7 +107,7 @@ struct Decimal {
 
 Decimal decimalOf(double value)
 {
-    char text[40];
+    char text[40] = {};  // ends in zeros, where atoi stops
     const char* const end = std::to_chars(text, text + sizeof text, value, std::chars_format::scientific).ptr;
     Decimal d;
     const char* p = text;

@@ -77,7 +77,8 @@ private slots:
                                      << QStringList{"seconds", "write_mpts_per_s", "laszip_loop_mpts_per_s",
                                                     "ratio_to_laszip_loop"};
         QTest::newRow("attribute") << QStringList{"attribute"}
-                                   << QStringList{"switch_visible_ms", "switch_all_ms", "mpts_per_s"};
+                                   << QStringList{"switch_visible_ms", "switch_all_ms", "mpts_per_s",
+                                                  "turning_frame_ms_p95"};
         QTest::newRow("order") << QStringList{"order", "--size", "320x200"} << QStringList{};
         QTest::newRow("edit") << QStringList{"edit"} << QStringList{"points_changed", "visible_ms", "undo_ms"};
         QTest::newRow("process") << QStringList{"process", "--step", "reclassify attribute=Z min=0 max=1 class=2"}

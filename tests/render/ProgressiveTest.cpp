@@ -208,7 +208,7 @@ void ProgressiveTest::convergedEqualsBruteForce()
         view.renderer.setCamera(camera);
         view.renderer.renderFrame(kTinyBudget);
     }
-    QVERIFY(view.converge() > 1);
+    QVERIFY(view.converge(kTinyBudget / 10) > 1);
     const Image converged = view.renderer.image();
     View reference({store}, camera, display);
     QCOMPARE(differing(converged, reference.bruteForce()), 0);
