@@ -265,10 +265,15 @@ std::string readAll(const std::filesystem::path& path)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
+[[noreturn]] void failWriting(const std::filesystem::path& path)
+{
+    throw Error(path, std::string("the journal cannot be written: ") + std::strerror(errno) + ".");
+}
+
 int openLocked(const std::filesystem::path& path, int flags)
 {
     const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC | flags, 0600);
-    if (file < 0) throw Error(path, std::string("the journal cannot be written: ") + std::strerror(errno) + ".");
+    if (file < 0) failWriting(path);
     if (::flock(file, LOCK_EX | LOCK_NB) != 0) {
         ::close(file);
         throw Error(path, "another window writes this journal.");
@@ -341,8 +346,7 @@ std::unique_ptr<Journal> Journal::create(const std::filesystem::path& path, cons
     std::error_code ignored;
     std::filesystem::create_directories(path.parent_path(), ignored);
     std::unique_ptr<Journal> journal(new Journal(path, openLocked(path, O_CREAT)));
-    if (::ftruncate(journal->m_file, 0) != 0)
-        throw Error(path, std::string("the journal cannot be written: ") + std::strerror(errno) + ".");
+    if (::ftruncate(journal->m_file, 0) != 0) failWriting(path);
     journal->add(std::string(kFirstLine));
     journal->add("cloud " + std::to_string(key.points) + " " + hex(key.digest, 16) + " " + escaped(file));
     return journal;
@@ -353,7 +357,7 @@ std::unique_ptr<Journal> Journal::resume(const std::filesystem::path& path)
     std::unique_ptr<Journal> journal(new Journal(path, openLocked(path, 0)));
     const Sound sound = soundPart(path, readAll(path));
     if (::ftruncate(journal->m_file, off_t(sound.bytes)) != 0 || ::lseek(journal->m_file, 0, SEEK_END) < 0)
-        throw Error(path, std::string("the journal cannot be written: ") + std::strerror(errno) + ".");
+        failWriting(path);
     journal->m_sum = sound.sum;
     journal->m_position = sound.position;
     return journal;
@@ -371,12 +375,10 @@ void Journal::add(const std::string& line)
     for (std::size_t at = 0; at < whole.size();) {
         const ssize_t n = ::write(m_file, whole.data() + at, whole.size() - at);
         if (n < 0 && errno == EINTR) continue;
-        if (n <= 0)
-            throw Error(m_path, std::string("the journal cannot be written: ") + std::strerror(errno) + ".");
+        if (n <= 0) failWriting(m_path);
         at += std::size_t(n);
     }
-    if (::fdatasync(m_file) != 0 && errno != EINVAL && errno != EROFS)
-        throw Error(m_path, std::string("the journal cannot be written: ") + std::strerror(errno) + ".");
+    if (::fdatasync(m_file) != 0 && errno != EINVAL && errno != EROFS) failWriting(m_path);
     m_sum = sum;
 }
 
