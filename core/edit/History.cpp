@@ -68,45 +68,46 @@ void History::push(std::unique_ptr<Command> command)
     }
     if (const auto journal = this->journal()) journal->done(*command);
     command->apply(*m_cloud);
-
-    const std::lock_guard lock(m_mutex);
-    const auto undone = m_commands.begin() + std::ptrdiff_t(m_done);
-    forgotten.assign(std::make_move_iterator(undone), std::make_move_iterator(m_commands.end()));
-    m_commands.erase(undone, m_commands.end());
-    if (m_saved > std::ptrdiff_t(m_done)) m_saved = -1;
-    m_commands.push_back(std::move(command));
-    ++m_done;
+    {
+        const std::lock_guard lock(m_mutex);
+        const auto undone = m_commands.begin() + std::ptrdiff_t(m_done);
+        forgotten.assign(std::make_move_iterator(undone), std::make_move_iterator(m_commands.end()));
+        m_commands.erase(undone, m_commands.end());
+        if (m_saved > std::ptrdiff_t(m_done)) m_saved = -1;
+        m_commands.push_back(std::move(command));
+        ++m_done;
+    }
     stowDistant();
 }
 
 void History::undo()
 {
-    const std::lock_guard changing(m_changing);
-    if (!canUndo()) return;
-    // Only a change alters m_commands and m_done, and changes take turns: reading them here needs no lock.
-    Command& command = *m_commands[m_done - 1];
-    command.prepare();
-    if (const auto journal = this->journal()) journal->undone();
-    command.apply(*m_cloud);
-    const std::lock_guard lock(m_mutex);
-    --m_done;
-    stowDistant();
+    move(false);
 }
 
 void History::redo()
 {
+    move(true);
+}
+
+void History::move(bool forward)
+{
     const std::lock_guard changing(m_changing);
-    if (!canRedo()) return;
-    Command& command = *m_commands[m_done];
+    if (forward ? !canRedo() : !canUndo()) return;
+    // Only a change alters m_commands and m_done, and changes take turns: reading them here needs no lock.
+    Command& command = *m_commands[forward ? m_done : m_done - 1];
     command.prepare();
-    if (const auto journal = this->journal()) journal->redone();
+    if (const auto journal = this->journal()) forward ? journal->redone() : journal->undone();
     command.apply(*m_cloud);
-    const std::lock_guard lock(m_mutex);
-    ++m_done;
+    {
+        const std::lock_guard lock(m_mutex);
+        forward ? ++m_done : --m_done;
+    }
     stowDistant();
 }
 
-/// Commands near the present state are at hand at once; the others are put together once they take too much.
+/// Commands near the present state are at hand at once; the others are put together once they take too much. Takes
+/// a while: what the window asks meanwhile is answered, as only a change alters the list.
 void History::stowDistant() noexcept
 {
     std::size_t bytes = 0;

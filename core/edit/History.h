@@ -64,6 +64,7 @@ public:
     std::size_t position() const;            ///< how many of names() are in force
 
 private:
+    void move(bool forward);
     void stowDistant() noexcept;
 
     std::shared_ptr<PointCloud> m_cloud;
