@@ -78,7 +78,7 @@ void ViewFilter::apply(Document& document)
             try {
                 const expression::Condition condition(text, *cloud);
                 result->attributes = condition.attributes();
-                result->hidden = hiddenByFilter(*cloud, condition, progress);
+                result->hidden = expression::selectOthers(*cloud, condition, progress);
                 result->count = result->hidden->count();
             } catch (const expression::ExpressionError& wrong) {
                 result->error = QString::fromUtf8(wrong.what());

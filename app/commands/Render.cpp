@@ -187,7 +187,7 @@ void runRender(const RenderRequest& request, Progress& progress)
         renderer.loadingEnded(*loaded.cloud, loaded.bounds);
         if (options.filter.empty()) continue;
         const expression::Condition filter(options.filter, *loaded.cloud);
-        renderer.hide(*loaded.cloud, hiddenByFilter(*loaded.cloud, filter, progress).get());
+        renderer.hide(*loaded.cloud, expression::selectOthers(*loaded.cloud, filter, progress).get());
     }
 
     const glm::dvec2 size(request.width, request.height);

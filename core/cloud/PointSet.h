@@ -35,6 +35,24 @@ public:
         for (const std::uint64_t w : m_words) n += PointIndex(std::popcount(w));
         return n;
     }
+    /// What was no member is one, and the other way round.
+    void invert() noexcept
+    {
+        for (std::uint64_t& w : m_words) w = ~w;
+        if (m_size % 64 != 0) m_words.back() &= (std::uint64_t(1) << (m_size % 64)) - 1;
+    }
+    /// How many members come before each block of so many words; then how many there are in all.
+    std::vector<PointIndex> ranks(std::size_t blockWords) const
+    {
+        std::vector<PointIndex> before{0};
+        for (std::size_t first = 0; first < m_words.size(); first += blockWords) {
+            PointIndex n = before.back();
+            const std::size_t last = std::min(m_words.size(), first + blockWords);
+            for (std::size_t w = first; w < last; ++w) n += PointIndex(std::popcount(m_words[w]));
+            before.push_back(n);
+        }
+        return before;
+    }
     /// Calls f(index) for each member of words [firstWord, lastWord), in rising order.
     template <typename F>
     void forEachInWords(std::size_t firstWord, std::size_t lastWord, F&& f) const

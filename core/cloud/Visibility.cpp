@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "core/cloud/Visibility.h"
 
-#include "core/expression/Condition.h"
+#include "core/cloud/Slabs.h"
 #include "core/task/Progress.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <shared_mutex>
 
 namespace punctum
@@ -21,7 +19,6 @@ namespace
 {
 
 constexpr double kStepShare = 1e-6;
-constexpr std::size_t kGrainWords = 1024;
 
 }  // namespace
 
@@ -44,26 +41,28 @@ std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility
 {
     const bool allClasses = std::all_of(visibility.classVisible.begin(), visibility.classVisible.end(),
                                         [](bool visible) { return visible; });
-    const std::shared_lock lock(cloud.mutex());
-    const Attribute* const classes = allClasses ? nullptr : cloud.findAttribute("Classification");
-    if (classes == nullptr && !visibility.clip.any() && !visibility.filtered) return nullptr;
+    std::optional<Attribute> classes;
+    if (!allClasses) {
+        const std::shared_lock lock(cloud.mutex());
+        if (const Attribute* const found = cloud.findAttribute("Classification")) classes = *found;
+    }
+    if (!classes && !visibility.clip.any() && !visibility.filtered) return nullptr;
     auto set = std::make_shared<PointSet>(cloud.size());
     const auto words = set->words();
     progress.begin("Finding hidden points", cloud.size());
     const RawBounds inside =
         visibility.clip.box ? rawInside(*visibility.clip.box, cloud.coordinates()) : RawBounds{};
     const auto x = cloud.rawX(), y = cloud.rawY(), z = cloud.rawZ();
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, words.size(), kGrainWords), [&](const auto& r) {
-        progress.check();
+    forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
         std::uint32_t codes[64];
-        for (std::size_t w = r.begin(); w != r.end(); ++w) {
+        for (std::size_t w = firstWord; w != lastWord; ++w) {
             const PointRange range{w * 64, std::min<PointIndex>(cloud.size(), w * 64 + 64)};
             std::uint64_t hidden = 0;
             if (visibility.filtered && w < visibility.filtered->words().size())
                 hidden = visibility.filtered->words()[w];
-            if (classes != nullptr) classes->gatherBits(range, codes);
+            if (classes) classes->gatherBits(range, codes);
             for (PointIndex i = range.first; i < range.last; ++i) {
-                bool out = classes != nullptr && !visibility.classVisible[codes[i - range.first] & 255u];
+                bool out = classes && !visibility.classVisible[codes[i - range.first] & 255u];
                 if (visibility.clip.box)
                     out |= (x[i] < inside.min.x) | (x[i] > inside.max.x) | (y[i] < inside.min.y) |
                            (y[i] > inside.max.y) | (z[i] < inside.min.z) | (z[i] > inside.max.z);
@@ -73,18 +72,7 @@ std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility
             }
             words[w] = hidden;
         }
-        progress.add(std::min<PointIndex>(cloud.size(), r.end() * 64) - r.begin() * 64);
     });
-    return set;
-}
-
-std::shared_ptr<PointSet> hiddenByFilter(const PointCloud& cloud, const expression::Condition& filter,
-                                         Progress& progress)
-{
-    auto set = expression::select(cloud, filter, progress);
-    const auto words = set->words();
-    for (std::uint64_t& word : words) word = ~word;
-    if (cloud.size() % 64 != 0) words.back() &= (std::uint64_t(1) << (cloud.size() % 64)) - 1;
     return set;
 }
 

@@ -12,10 +12,6 @@ namespace punctum
 {
 
 class Progress;
-namespace expression
-{
-class Condition;
-}
 
 /// Half of space, in `world`: the points p with dot(normal, p) >= distance. The normal need not have length 1.
 struct ClipPlane {
@@ -45,16 +41,13 @@ RawBounds rawInside(const WorldBounds& box, const CoordinateScale& coordinates) 
 struct Visibility {
     std::array<bool, 256> classVisible{};
     Clip clip;
-    std::shared_ptr<const PointSet> filtered;  ///< hidden by a filter: hiddenByFilter(); null: none
+    std::shared_ptr<const PointSet> filtered;  ///< hidden by a filter: expression::selectOthers(); null: none
 
     Visibility() { classVisible.fill(true); }
 };
 
-/// All points that it hides, in parallel; null when it hides none. Takes cloud.mutex() shared. Throws Cancelled.
+/// All points that it hides, in parallel; null when it hides none. Takes cloud.mutex() shared for some 20 ms at a
+/// time. Throws Cancelled.
 std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility& visibility, Progress& progress);
-
-/// The points for which a filter's condition does not hold. Takes cloud.mutex() shared. Throws Cancelled.
-std::shared_ptr<PointSet> hiddenByFilter(const PointCloud& cloud, const expression::Condition& filter,
-                                         Progress& progress);
 
 }  // namespace punctum

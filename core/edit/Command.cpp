@@ -74,15 +74,10 @@ ValueCommand::ValueCommand(std::string name, const Attribute& attribute, std::sh
       m_notice{ChangeNotice::Kind::Values, {attribute.name}, points},
       m_column(attribute.columns[0]),
       m_points(std::move(points)),
+      m_ranks(m_points->ranks(kBlockWords)),
+      m_count(m_ranks.back()),
       m_values(std::move(values))
 {
-    const std::size_t words = m_points->words().size();
-    m_rankOfBlock.reserve(words / kBlockWords + 1);
-    for (std::size_t first = 0; first < words; first += kBlockWords) {
-        m_rankOfBlock.push_back(m_count);
-        const std::size_t last = std::min(words, first + kBlockWords);
-        for (std::size_t w = first; w < last; ++w) m_count += PointIndex(std::popcount(m_points->words()[w]));
-    }
     assert(m_points->size() == m_column->size());
     assert(m_values.size() == m_count * m_column->elementBytes());
     if (attribute.bitWidth != 0) m_mask = attribute.maxBits() << attribute.bitShift;
@@ -96,10 +91,10 @@ void ValueCommand::apply(PointCloud& cloud) noexcept
         const std::size_t bytes = m_column->elementBytes();
         // Isolated: while it waits for its helpers, this thread must not pick up work that wants the lock it holds.
         tbb::this_task_arena::isolate([&] {
-            tbb::parallel_for(std::size_t(0), m_rankOfBlock.size(), [&](std::size_t block) {
+            tbb::parallel_for(std::size_t(0), m_ranks.size() - 1, [&](std::size_t block) {
                 const std::size_t first = block * kBlockWords;
                 const std::size_t last = std::min(m_points->words().size(), first + kBlockWords);
-                std::byte* const values = m_values.data() + m_rankOfBlock[block] * bytes;
+                std::byte* const values = m_values.data() + m_ranks[block] * bytes;
                 switch (bytes) {
                     case 1:
                         swapBits(*m_points, first, last, column, values, std::uint8_t(m_mask));
@@ -151,20 +146,19 @@ void ValueCommand::prepare()
     m_packedPoints.reset();
     m_points = std::move(points);
     m_notice.points = m_points;
+    m_stowed = false;
 }
 
 void ValueCommand::stow() noexcept
 {
+    if (std::exchange(m_stowed, true)) return;
     try {
-        if (m_points && !m_packedPoints) {
-            PackedSet packed(*m_points);
-            if (packed.bytes() < m_points->words().size_bytes()) {
-                m_packedPoints = std::move(packed);
-                m_points.reset();
-                m_notice.points.reset();
-            }
+        PackedSet packedPoints(*m_points);
+        if (packedPoints.bytes() < m_points->words().size_bytes()) {
+            m_packedPoints = std::move(packedPoints);
+            m_points.reset();
+            m_notice.points.reset();
         }
-        if (m_packedValues) return;
         const std::size_t bytes = m_column->elementBytes();
         std::vector<std::byte> packed;
         for (std::size_t at = 0; at < m_values.size();) {

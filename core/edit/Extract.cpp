@@ -1,38 +1,27 @@
 // SPDX-License-Identifier: MIT
 #include "core/edit/Extract.h"
 
+#include "core/cloud/Slabs.h"
 #include "core/task/Progress.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <mutex>
 
 namespace punctum
 {
 
-namespace
-{
-
-constexpr std::size_t kTaskWords = 1024;  // of the set: 65,536 points
-
-}  // namespace
-
 std::shared_ptr<PointCloud> extracted(const PointCloud& cloud, const PointSet& points, Progress& progress)
 {
     const std::shared_lock lock(cloud.mutex());
     const std::size_t words = points.words().size();
-    std::vector<PointIndex> ranks;  // members before each task's words
-    PointIndex count = 0;
-    for (std::size_t first = 0; first < words; first += kTaskWords) {
-        ranks.push_back(count);
-        const std::size_t last = std::min(words, first + kTaskWords);
-        for (std::size_t w = first; w < last; ++w) count += PointIndex(std::popcount(points.words()[w]));
-    }
-    progress.begin("Taking points", cloud.columns().size() * ranks.size());
+    const std::vector<PointIndex> ranks = points.ranks(kTaskWords);
+    const std::size_t tasks = ranks.size() - 1;
+    const PointIndex count = ranks.back();
+    progress.begin("Taking points", cloud.columns().size() * tasks);
     auto part = std::make_shared<PointCloud>(count, cloud.coordinates());
     for (const auto& from : cloud.columns()) {
         const auto to =
@@ -40,7 +29,7 @@ std::shared_ptr<PointCloud> extracted(const PointCloud& cloud, const PointSet& p
         const std::size_t bytes = from->elementBytes();
         // Isolated: while it waits for its helpers, this thread must not pick up work that wants the lock it holds.
         tbb::this_task_arena::isolate([&] {
-            tbb::parallel_for(std::size_t(0), ranks.size(), [&](std::size_t task) {
+            tbb::parallel_for(std::size_t(0), tasks, [&](std::size_t task) {
                 if (progress.cancelled()) return;
                 std::byte* out = to->data() + ranks[task] * bytes;
                 const std::size_t first = task * kTaskWords, last = std::min(words, first + kTaskWords);

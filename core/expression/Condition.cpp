@@ -62,4 +62,11 @@ std::shared_ptr<PointSet> select(const PointCloud& cloud, const Condition& condi
     return points;
 }
 
+std::shared_ptr<PointSet> selectOthers(const PointCloud& cloud, const Condition& condition, Progress& progress)
+{
+    auto points = select(cloud, condition, progress);
+    points->invert();
+    return points;
+}
+
 }  // namespace punctum::expression

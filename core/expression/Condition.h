@@ -54,6 +54,8 @@ private:
 
 /// The points for which it holds. Parallel; takes cloud.mutex() shared for some 20 ms at a time. Throws Cancelled.
 std::shared_ptr<PointSet> select(const PointCloud& cloud, const Condition& condition, Progress& progress);
+/// Those for which it does not: what a filter hides.
+std::shared_ptr<PointSet> selectOthers(const PointCloud& cloud, const Condition& condition, Progress& progress);
 
 }  // namespace expression
 

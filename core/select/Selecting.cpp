@@ -215,15 +215,6 @@ void combine(PointSet& selection, const PointSet& found, SelectMode mode)
     });
 }
 
-void invert(PointSet& selection)
-{
-    const auto words = selection.words();
-    forPieces(words.size(), [&](std::size_t first, std::size_t last) {
-        for (std::size_t w = first; w < last; ++w) words[w] = ~words[w];
-    });
-    if (selection.size() % 64 != 0) words.back() &= (std::uint64_t(1) << (selection.size() % 64)) - 1;
-}
-
 PointIndex countWithout(const PointSet& a, const PointSet& b)
 {
     PointIndex n = 0;

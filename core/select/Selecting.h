@@ -55,8 +55,6 @@ void keepTouchable(PointSet& points, const PointCloud& cloud, const Touchable& t
 enum class SelectMode { Replace, Add, Subtract, Intersect };
 /// `selection` becomes the new one. Both are of the same cloud.
 void combine(PointSet& selection, const PointSet& found, SelectMode mode);
-/// All points that are not in it.
-void invert(PointSet& selection);
 /// Members of `a` that are not in `b`.
 PointIndex countWithout(const PointSet& a, const PointSet& b);
 

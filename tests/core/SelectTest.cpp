@@ -170,7 +170,7 @@ private slots:
         combine(added, b, SelectMode::Add);
         combine(taken, b, SelectMode::Subtract);
         combine(both, b, SelectMode::Intersect);
-        invert(inverse);
+        inverse.invert();
         QVERIFY(replaced == b);
         for (PointIndex i = 0; i < kSize; ++i) {
             QVERIFY(added.contains(i) == (a.contains(i) || b.contains(i)));
@@ -230,7 +230,7 @@ private slots:
         Progress progress;
         const KdOrder order(*cloud, progress);
         PointSet all(cloud->size());
-        invert(all);
+        all.invert();
         progress.cancel();
         Region region;
         region.projection = someView();

@@ -199,7 +199,7 @@ void Selection::invert()
     task.work = [touchable = touchable()](const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view,
                                           Progress& progress) {
         PointSet all = before ? *before : PointSet(view.cloud->size());
-        punctum::invert(all);
+        all.invert();
         keepTouchable(all, *view.cloud, touchable(*view.cloud, progress), progress);
         return all;
     };
@@ -210,7 +210,7 @@ void Selection::selectAll()
 {
     askFound(tr("Select all"), [](const PointCloud& cloud, Progress&) {
         PointSet all(cloud.size());
-        punctum::invert(all);
+        all.invert();
         return all;
     });
 }
