@@ -3,6 +3,7 @@
 
 #include "ui/style/Icons.h"
 #include "ui/style/Theme.h"
+#include "ui/style/Widgets.h"
 
 #include <QDialog>
 #include <QDialogButtonBox>
@@ -57,12 +58,10 @@ void showAboutPage(QWidget* parent, const QString& backend, bool openGlView)
     icon->setPixmap(programIcon().pixmap(64, 64));
     auto* name = new QLabel(QObject::tr("Punctum %1").arg(QStringLiteral(PUNCTUM_VERSION)));
     name->setFont(scaledFont(name->font(), 1.6, true));
-    auto* what =
-        new QLabel(QObject::tr("Look at, classify, process and edit laser scans (LAS/LAZ).\nMIT License."));
-    what->setProperty("dim", true);
     column->addWidget(icon);
     column->addWidget(name);
-    column->addWidget(what);
+    column->addWidget(
+        dimLabel(QObject::tr("Look at, classify, process and edit laser scans (LAS/LAZ).\nMIT License.")));
     auto* parts = new QLabel(
         QObject::tr("Qt %1\noneTBB %2\nGLM %3\nLASzip, PCL, libepoxy\nPoints drawn by: %4\nView: %5")
             .arg(QLatin1String(qVersion()), QLatin1String(TBB_VERSION_STRING),

@@ -73,6 +73,23 @@ void MainMenu::needsDocument(QAction* action)
     action->setEnabled(false);
 }
 
+QAction* MainMenu::addTool(QMenu* menu, QActionGroup* group, int id, const QString& text, const QString& icon,
+                           const QList<QKeySequence>& keys, const QString& tip,
+                           std::function<void(bool on)> toggled)
+{
+    QAction* const action = add(menu, text, icon, keys, tip, [] {});
+    action->setCheckable(true);
+    action->setData(id);
+    group->addAction(action);
+    group->setExclusionPolicy(QActionGroup::ExclusionPolicy::ExclusiveOptional);
+    needsDocument(action);
+    connect(action, &QAction::toggled, this, [this, toggled = std::move(toggled)](bool on) {
+        toggled(on);
+        m_window.focusView();
+    });
+    return action;
+}
+
 QMenu& MainMenu::insertMenu(const QString& title)
 {
     auto* menu = new QMenu(title, &m_window);

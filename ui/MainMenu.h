@@ -48,6 +48,9 @@ public:
     QAction* add(QMenu* menu, const QString& text, const QString& icon, const QList<QKeySequence>& keys,
                  const QString& tip, std::function<void()> act);
     void needsDocument(QAction* action);
+    /// A tool of the view that is on or off; at most one of its group is on. Marks it with `id`.
+    QAction* addTool(QMenu* menu, QActionGroup* group, int id, const QString& text, const QString& icon,
+                     const QList<QKeySequence>& keys, const QString& tip, std::function<void(bool on)> toggled);
     /// A menu before View.
     QMenu& insertMenu(const QString& title);
     QToolBar& toolBar() noexcept { return *m_toolBar; }

@@ -12,7 +12,6 @@ namespace punctum::ui
 
 namespace
 {
-constexpr double kTremble = 3.0;       // px: less than this is a click
 constexpr double kZoomPerNotch = 0.8;  // of the distance that is left after one notch of the wheel
 }  // namespace
 

@@ -16,6 +16,7 @@ class Navigation
 {
 public:
     enum class Drag { None, Orbit, Pan };
+    static constexpr double kTremble = 3.0;  ///< px: a mouse that moves less is clicked, not dragged
 
     void setSize(glm::dvec2 sizePx) noexcept { m_size = sizePx; }
     glm::dvec2 size() const noexcept { return m_size; }

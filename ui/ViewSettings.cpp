@@ -13,8 +13,11 @@ ViewSettings::ViewSettings(QObject* parent) : QObject(parent)
     setBackground(Background::Dark);
 }
 
-void ViewSettings::notify()
+template <typename T>
+void ViewSettings::set(T& field, const T& value)
 {
+    if (field == value) return;
+    field = value;
     emit changed();
 }
 
@@ -24,53 +27,40 @@ void ViewSettings::setAttribute(const QString& name)
     m_display.attribute = name.toStdString();
     m_display.range.reset();  // a range is of one attribute's values
     emit attributeChanged(name);
-    notify();
+    emit changed();
 }
 
 void ViewSettings::setColorMap(const QString& name)
 {
     if (name == colorMap() || (!name.isEmpty() && !render::findColorMap(name.toStdString()))) return;
     m_display.colorMap = name.toStdString();
-    notify();
+    emit changed();
 }
 
 void ViewSettings::setRange(std::optional<std::pair<double, double>> range)
 {
     if (range && (!std::isfinite(range->first) || !std::isfinite(range->second))) return;
-    if (range == m_display.range) return;
-    m_display.range = range;
-    notify();
+    set(m_display.range, range);
 }
 
 void ViewSettings::setPointSize(double px)
 {
-    px = std::clamp(px, 1.0, 20.0);
-    if (px == m_display.pointSize) return;
-    m_display.pointSize = px;
-    notify();
+    set(m_display.pointSize, std::clamp(px, 1.0, 20.0));
 }
 
 void ViewSettings::setSizing(render::PointSizing sizing)
 {
-    if (sizing == m_display.sizing) return;
-    m_display.sizing = sizing;
-    notify();
+    set(m_display.sizing, sizing);
 }
 
 void ViewSettings::setWorldSize(double size)
 {
-    size = std::isfinite(size) ? std::clamp(size, 1e-6, 1e6) : m_display.worldSize;
-    if (size == m_display.worldSize) return;
-    m_display.worldSize = size;
-    notify();
+    if (std::isfinite(size)) set(m_display.worldSize, std::clamp(size, 1e-6, 1e6));
 }
 
 void ViewSettings::setSpacings(double spacings)
 {
-    spacings = std::clamp(spacings, 0.1, 20.0);
-    if (spacings == m_display.spacings) return;
-    m_display.spacings = spacings;
-    notify();
+    set(m_display.spacings, std::clamp(spacings, 0.1, 20.0));
 }
 
 double ViewSettings::size() const noexcept
@@ -108,23 +98,17 @@ void ViewSettings::enlargePoints(bool larger)
 
 void ViewSettings::setRound(bool round)
 {
-    if (round == m_display.round) return;
-    m_display.round = round;
-    notify();
+    set(m_display.round, round);
 }
 
 void ViewSettings::setAveraged(bool averaged)
 {
-    if (averaged == m_display.averaged) return;
-    m_display.averaged = averaged;
-    notify();
+    set(m_display.averaged, averaged);
 }
 
 void ViewSettings::setNormals(render::NormalLook look)
 {
-    if (look == m_display.normals) return;
-    m_display.normals = look;
-    notify();
+    set(m_display.normals, look);
 }
 
 void ViewSettings::setOwnBackground(render::Rgba8 color)
@@ -135,26 +119,17 @@ void ViewSettings::setOwnBackground(render::Rgba8 color)
 
 void ViewSettings::setSamples(int samples)
 {
-    samples = render::kSampleCounts[render::sampleCountIndex(samples)];
-    if (samples == m_display.samples) return;
-    m_display.samples = samples;
-    notify();
+    set(m_display.samples, render::kSampleCounts[render::sampleCountIndex(samples)]);
 }
 
 void ViewSettings::setEyeDome(double strength)
 {
-    strength = std::clamp(strength, 0.0, 4.0);
-    if (strength == m_display.eyeDome) return;
-    m_display.eyeDome = strength;
-    notify();
+    set(m_display.eyeDome, std::clamp(strength, 0.0, 4.0));
 }
 
 void ViewSettings::setBands(int bands)
 {
-    bands = bands < 2 ? 0 : std::min(bands, 64);
-    if (bands == m_display.bands) return;
-    m_display.bands = bands;
-    notify();
+    set(m_display.bands, bands < 2 ? 0 : std::min(bands, 64));
 }
 
 void ViewSettings::setBackground(Background background)
@@ -176,41 +151,33 @@ void ViewSettings::setBackground(Background background)
             m_display.backgroundTop = m_display.backgroundBottom = m_ownBackground;
             break;
     }
-    notify();
+    emit changed();
 }
 
 void ViewSettings::setClip(const Clip& clip)
 {
-    if (clip == m_display.clip) return;
-    m_display.clip = clip;
-    notify();
+    set(m_display.clip, clip);
 }
 
 void ViewSettings::setClassColor(unsigned code, render::Rgba8 color)
 {
-    if (code > 255 || m_display.palette[code] == color) return;
-    m_display.palette[code] = color;
-    notify();
+    if (code < 256) set(m_display.palette[code], color);
 }
 
 void ViewSettings::setClassVisible(unsigned code, bool visible)
 {
-    if (code > 255 || m_display.classVisible[code] == visible) return;
-    m_display.classVisible[code] = visible;
-    notify();
+    if (code < 256) set(m_display.classVisible[code], visible);
 }
 
 void ViewSettings::setClassLocked(unsigned code, bool locked)
 {
-    if (code > 255 || m_classLocked[code] == locked) return;
-    m_classLocked[code] = locked;
-    notify();
+    if (code < 256) set(m_classLocked[code], locked);
 }
 
 void ViewSettings::setAllClassesVisible(bool visible)
 {
     m_display.classVisible.fill(visible);
-    notify();
+    emit changed();
 }
 
 void ViewSettings::showOnlyClass(unsigned code)
@@ -218,7 +185,7 @@ void ViewSettings::showOnlyClass(unsigned code)
     if (code > 255) return;
     m_display.classVisible.fill(false);
     m_display.classVisible[code] = true;
-    notify();
+    emit changed();
 }
 
 }  // namespace punctum::ui

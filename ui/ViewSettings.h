@@ -68,7 +68,10 @@ signals:
     void attributeChanged(const QString& name);
 
 private:
-    void notify();
+    /// One of the fields below; says so if it is another value.
+    template <typename T>
+    void set(T& field, const T& value);
+
     render::DisplaySettings m_display;
     Background m_background = Background::Dark;
     render::Rgba8 m_ownBackground{46, 60, 84, 255};

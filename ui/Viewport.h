@@ -72,6 +72,10 @@ public:
     bool usesOpenGl() const;
     /// Size of the picture in px: logical size times the screen's ratio.
     QSize pictureSize() const;
+    /// px of the picture for each logical px.
+    double pixelRatio() const noexcept { return m_pixelRatio; }
+    /// From a position in the widget.
+    glm::dvec2 toPicture(QPointF position) const;
 
 signals:
     void filesDropped(const QStringList& paths);
@@ -96,7 +100,6 @@ protected:
     bool event(QEvent* event) override;
 
 private:
-    glm::dvec2 toPicture(QPointF position) const;
     void applyCamera(const render::Camera& camera);
     void userCamera(const render::Camera& camera);
     void takeFrame();

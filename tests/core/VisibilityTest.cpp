@@ -63,7 +63,8 @@ void VisibilityTest::hidesWhatItSays()
     if (box) v.clip.box = WorldBounds{{20, 30, -100}, {150, 160.5, 8}};
     if (planes > 0) v.clip.planes = {{{1, 1, 0}, 90}, {{0, -1, 0.5}, -140}};
     if (filter)
-        v.filtered = expression::selectOthers(*cloud, expression::Condition("Intensity > 2000 or Z < 0", *cloud), progress);
+        v.filtered =
+            expression::selectOthers(*cloud, expression::Condition("Intensity > 2000 or Z < 0", *cloud), progress);
     const auto hidden = hiddenPoints(*cloud, v, progress);
     QVERIFY(hidden);
     const Attribute &code = *cloud->findAttribute("Classification"),

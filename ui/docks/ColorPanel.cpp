@@ -5,6 +5,7 @@
 #include "ui/Text.h"
 #include "ui/ViewSettings.h"
 #include "ui/style/Theme.h"
+#include "ui/style/Widgets.h"
 
 #include <QCheckBox>
 #include <QComboBox>
@@ -149,9 +150,7 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     auto* range = new QHBoxLayout;
     range->setSpacing(6);
     range->addWidget(m_low, 1);
-    auto* to = new QLabel(tr("to"));
-    to->setProperty("dim", true);
-    range->addWidget(to);
+    range->addWidget(dimLabel(tr("to")));
     range->addWidget(m_high, 1);
     range->addWidget(m_auto);
 
@@ -174,8 +173,7 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     form->setVerticalSpacing(8);
     form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
     const auto addRow = [&](const QString& text, auto* field) {
-        auto* label = new QLabel(text);
-        label->setProperty("dim", true);
+        QLabel* const label = dimLabel(text);
         label->setMinimumHeight(kFieldHeight);  // in line with the middle of its field
         form->addRow(label, field);
     };

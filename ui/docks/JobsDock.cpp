@@ -5,11 +5,11 @@
 #include "ui/docks/JobsModel.h"
 #include "ui/style/Icons.h"
 #include "ui/style/Theme.h"
+#include "ui/style/Widgets.h"
 
 #include <QGridLayout>
 #include <QLabel>
 #include <QProgressBar>
-#include <QScrollArea>
 #include <QToolButton>
 #include <QVBoxLayout>
 
@@ -27,18 +27,16 @@ class JobRow final : public QWidget
 public:
     JobRow(JobsModel& model, quint64 id)
         : m_title(new QLabel),
-          m_percent(new QLabel),
-          m_stage(new QLabel),
+          m_percent(dimLabel({})),
+          m_stage(dimLabel({})),
           m_bar(new QProgressBar),
           m_close(new QToolButton)
     {
-        m_stage->setProperty("dim", true);
         m_stage->setFont(scaledFont(font(), 0.9));
         m_stage->setWordWrap(true);
         m_stage->setTextInteractionFlags(Qt::TextSelectableByMouse);
         m_title->setTextFormat(Qt::PlainText);
         m_stage->setTextFormat(Qt::PlainText);
-        m_percent->setProperty("dim", true);
         m_bar->setRange(0, 1000);
         m_bar->setTextVisible(false);
         m_close->setIcon(lineIcon(QStringLiteral("close")));
@@ -86,22 +84,16 @@ private:
 JobsDock::JobsDock(Workspace& workspace, QWidget* parent)
     : QDockWidget(tr("Jobs"), parent),
       m_model(new JobsModel(workspace, this)),
-      m_empty(new QLabel(tr("Nothing runs.")))
+      m_empty(dimLabel(tr("Nothing runs.")))
 {
     setObjectName(QStringLiteral("jobs"));
     auto* content = new QWidget;
     m_column = new QVBoxLayout(content);
     m_column->setContentsMargins(12, 8, 10, 8);
     m_column->setSpacing(2);
-    m_empty->setProperty("dim", true);
     m_column->addWidget(m_empty);
     m_column->addStretch(1);
-    auto* scroll = new QScrollArea;
-    scroll->setWidget(content);
-    scroll->setWidgetResizable(true);
-    scroll->setFrameShape(QFrame::NoFrame);
-    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    setWidget(scroll);
+    setWidget(scrollColumn(content));
 
     connect(m_model, &QAbstractItemModel::rowsInserted, this, [this](const QModelIndex&, int first, int last) {
         for (int row = first; row <= last; ++row) {

@@ -11,6 +11,7 @@
 #include "ui/docks/Swatch.h"
 #include "ui/style/Icons.h"
 #include "ui/style/Theme.h"
+#include "ui/style/Widgets.h"
 
 #include <QCheckBox>
 #include <QComboBox>
@@ -19,7 +20,6 @@
 #include <QLineEdit>
 #include <QProgressBar>
 #include <QPushButton>
-#include <QScrollArea>
 #include <QStyle>
 #include <QVBoxLayout>
 
@@ -47,7 +47,7 @@ ProcessingDock::ProcessingDock(Workspace& workspace, QWidget* parent)
     : QDockWidget(tr("Process"), parent),
       m_workspace(workspace),
       m_steps(new QComboBox),
-      m_help(new QLabel),
+      m_help(dimLabel({})),
       m_form(new QFormLayout),
       m_show(new QCheckBox(tr("Show the result"))),
       m_run(new QPushButton(tr("Run"))),
@@ -57,7 +57,6 @@ ProcessingDock::ProcessingDock(Workspace& workspace, QWidget* parent)
     setObjectName(QStringLiteral("processing"));
     for (const Step* each : allSteps()) m_steps->addItem(toQString(each->title()), toQString(each->name()));
     m_steps->setAccessibleName(tr("Processing step"));
-    m_help->setProperty("dim", true);
     m_help->setWordWrap(true);
     m_help->setTextInteractionFlags(Qt::TextSelectableByMouse);
     m_form->setHorizontalSpacing(12);
@@ -83,12 +82,7 @@ ProcessingDock::ProcessingDock(Workspace& workspace, QWidget* parent)
     column->addWidget(m_progress);
     column->addWidget(m_result);
     column->addStretch(1);
-    auto* scroll = new QScrollArea;
-    scroll->setWidget(content);
-    scroll->setWidgetResizable(true);
-    scroll->setFrameShape(QFrame::NoFrame);
-    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    setWidget(scroll);
+    setWidget(scrollColumn(content));
     setMinimumWidth(250);
 
     connect(m_steps, &QComboBox::currentIndexChanged, this, &ProcessingDock::buildFields);
@@ -159,8 +153,7 @@ void ProcessingDock::buildFields()
         if (!parameter.unit.empty()) label += QStringLiteral(" (%1)").arg(toQString(parameter.unit));
         field.widget->setToolTip(toQString(parameter.help));
         field.widget->setAccessibleName(label);
-        auto* name = new QLabel(label);
-        name->setProperty("dim", true);
+        QLabel* const name = dimLabel(label);
         name->setMinimumHeight(kFieldHeight);  // in line with the middle of its field
         name->setToolTip(toQString(parameter.help));
         m_form->addRow(name, field.widget);

@@ -7,6 +7,7 @@
 #include "ui/ViewFilter.h"
 #include "ui/ViewSettings.h"
 #include "ui/Viewport.h"
+#include "ui/style/Widgets.h"
 
 #include <QCheckBox>
 #include <QGridLayout>
@@ -28,15 +29,7 @@ namespace punctum::ui
 namespace
 {
 
-QLabel* heading(const QString& text)
-{
-    auto* label = new QLabel(text);
-    QFont bold = label->font();
-    bold.setBold(true);
-    label->setFont(bold);
-    label->setContentsMargins(0, 8, 0, 0);
-    return label;
-}
+constexpr int kPartSpacing = 8;  // px
 
 QString coordinateText(double value, bool degrees)
 {
@@ -51,7 +44,7 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
       m_settings(settings),
       m_viewport(viewport),
       m_condition(new QLineEdit),
-      m_state(new QLabel),
+      m_state(dimLabel({})),
       m_useBox(new QCheckBox(tr("Show only what lies in the box"))),
       m_boxOfView(new QPushButton(tr("Box of the View"))),
       m_boxOfFile(new QPushButton(tr("Box of the File"))),
@@ -65,7 +58,6 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
     m_condition->setToolTip(
         tr("A condition over attributes; points for which it does not hold are hidden. Press Enter."));
     m_state->setWordWrap(true);
-    m_state->setProperty("dim", true);
     connect(m_condition, &QLineEdit::editingFinished, this, [this] { m_filter.setText(m_condition->text()); });
     connect(m_condition, &QLineEdit::textChanged, this, [this](const QString& text) {
         if (text.isEmpty()) m_filter.setText({});
@@ -76,9 +68,7 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
     fields->setHorizontalSpacing(6);
     fields->setVerticalSpacing(6);
     for (int axis = 0; axis < 3; ++axis) {
-        auto* name = new QLabel(QString(QChar(u'X' + axis)));
-        name->setProperty("dim", true);
-        fields->addWidget(name, axis, 0);
+        fields->addWidget(dimLabel(QString(QChar(u'X' + axis))), axis, 0);
         for (int side = 0; side < 2; ++side) {
             auto*& field = m_fields[std::size_t(axis + 3 * side)];
             field = new QLineEdit;
@@ -129,14 +119,16 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
     column->addWidget(heading(tr("Filter")));
     column->addWidget(m_condition);
     column->addWidget(m_state);
+    column->addSpacing(kPartSpacing);
     column->addWidget(heading(tr("Box")));
     column->addWidget(m_useBox);
     column->addLayout(fields);
     column->addLayout(pair(m_boxOfView, m_boxOfFile));
+    column->addSpacing(kPartSpacing);
     column->addWidget(heading(tr("Cuts")));
     column->addLayout(pair(m_cut, m_uncut));
     column->addStretch();
-    setWidget(body);
+    setWidget(scrollColumn(body));
     connect(&m_settings, &ViewSettings::changed, this, &VisibilityDock::takeClip);
     setDocument(nullptr);
     takeClip();

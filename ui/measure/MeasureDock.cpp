@@ -142,20 +142,13 @@ void addMeasureMenu(MainWindow& window, MeasureTools& tools, Measurements& measu
     MainMenu& menu = window.menu();
     QMenu& measure = menu.insertMenu(MeasureDock::tr("&Measure"));
     auto* group = new QActionGroup(&window);
-    group->setExclusionPolicy(QActionGroup::ExclusionPolicy::ExclusiveOptional);
     const auto addTool = [&](MeasureKind kind, const QString& text, const QList<QKeySequence>& keys,
                              const QString& tip) {
-        QAction* const action = menu.add(&measure, text, {}, keys, tip, [] {});
-        action->setCheckable(true);
-        action->setData(int(kind));
-        group->addAction(action);
-        menu.needsDocument(action);
-        QObject::connect(action, &QAction::toggled, &tools, [&tools, &window, kind](bool on) {
+        menu.addTool(&measure, group, int(kind), text, {}, keys, tip, [&tools, kind](bool on) {
             if (on)
                 tools.setTool(kind);
             else if (tools.tool() == kind)
                 tools.setTool({});
-            window.viewport().setFocus();
         });
     };
     using Kind = MeasureKind;

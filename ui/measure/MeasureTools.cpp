@@ -21,8 +21,7 @@ namespace punctum::ui
 namespace
 {
 
-constexpr double kTremble = 3.0;  ///< px: less than this is a click
-constexpr double kDot = 4.0;      ///< px, radius of a point's mark
+constexpr double kDot = 4.0;  ///< px, radius of a point's mark
 const QColor kLine(255, 209, 92);
 const QColor kUnfinishedLine(255, 255, 255);
 const QColor kPlate(12, 14, 16, 215);
@@ -204,7 +203,8 @@ bool MeasureTools::pressed(const QMouseEvent& event)
 bool MeasureTools::released(const QMouseEvent& event)
 {
     const auto press = std::exchange(m_press, std::nullopt);
-    const bool click = press && QLineF(*press, event.position()).length() < kTremble;
+    const bool click = press && glm::distance(m_viewport.toPicture(*press),
+                                              m_viewport.toPicture(event.position())) < Navigation::kTremble;
     if (click && event.button() == Qt::LeftButton) pick(event.position());
     if (click && event.button() == Qt::RightButton && m_tool == MeasureKind::Area) finish();
     // after the viewport, which takes the cursor back
@@ -241,11 +241,10 @@ bool MeasureTools::keyPressed(const QKeyEvent& event)
 
 void MeasureTools::pick(QPointF at)
 {
-    const double ratio = double(m_viewport.pictureSize().width()) / std::max(1, m_viewport.width());
-    m_renderer.pick(int(at.x() * ratio), int(at.y() * ratio), this,
-                    [this](const std::optional<PickedPoint>& point) {
-                        if (point && m_tool) take(*point);
-                    });
+    const glm::ivec2 px(m_viewport.toPicture(at));
+    m_renderer.pick(px.x, px.y, this, [this](const std::optional<PickedPoint>& point) {
+        if (point && m_tool) take(*point);
+    });
 }
 
 void MeasureTools::take(const PickedPoint& point)

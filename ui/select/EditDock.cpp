@@ -12,6 +12,7 @@
 #include "ui/docks/Swatch.h"
 #include "ui/select/Selection.h"
 #include "ui/style/Theme.h"
+#include "ui/style/Widgets.h"
 
 #include <QCheckBox>
 #include <QComboBox>
@@ -20,7 +21,6 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
-#include <QScrollArea>
 #include <QVBoxLayout>
 
 #include <shared_mutex>
@@ -32,22 +32,6 @@ namespace
 {
 
 constexpr int kAnyClass = -1;
-
-QLabel* dimLabel(const QString& text)
-{
-    auto* label = new QLabel(text);
-    label->setProperty("dim", true);
-    return label;
-}
-
-QLabel* heading(const QString& text)
-{
-    auto* label = new QLabel(text);
-    QFont font = label->font();
-    font.setBold(true);
-    label->setFont(font);
-    return label;
-}
 
 /// "1,000 of 1 Unclassified, 204 of 5 High Vegetation": the classes of the set's points, the most frequent first.
 QString classesText(const PointCloud& cloud, const PointSet& points)
@@ -88,12 +72,7 @@ EditDock::EditDock(Workspace& workspace, Selection& selection, QWidget* parent)
     column->addWidget(makeNeighborPart());
     column->addWidget(m_result);
     column->addStretch(1);
-    auto* scroll = new QScrollArea;
-    scroll->setWidget(content);
-    scroll->setWidgetResizable(true);
-    scroll->setFrameShape(QFrame::NoFrame);
-    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    setWidget(scroll);
+    setWidget(scrollColumn(content));
     setMinimumWidth(250);
     connect(&m_selection, &Selection::changed, this, &EditDock::takeState);
     fillClasses();

@@ -8,6 +8,7 @@
 #include "ui/select/EditDock.h"
 #include "ui/select/Selection.h"
 #include "ui/style/Icons.h"
+#include "ui/style/Widgets.h"
 
 #include <QActionGroup>
 #include <QComboBox>
@@ -43,7 +44,6 @@ SelectBar::SelectBar(MainWindow& window, Selection& selection, SelectTools& tool
     m_window.addToolBar(m_bar);
 
     using Tool = SelectTools::Tool;
-    m_toolActions->setExclusionPolicy(QActionGroup::ExclusionPolicy::ExclusiveOptional);
     addTool(Tool::Rectangle, tr("&Rectangle"), QStringLiteral("select-rectangle"), Qt::Key_R,
             tr("Select with a rectangle: drag over the view"));
     addTool(Tool::Polygon, tr("&Polygon"), QStringLiteral("select-polygon"), Qt::Key_P,
@@ -67,19 +67,13 @@ SelectBar::SelectBar(MainWindow& window, Selection& selection, SelectTools& tool
 void SelectBar::addTool(SelectTools::Tool tool, const QString& text, const QString& icon, Qt::Key key,
                         const QString& tip)
 {
-    QAction* action = m_menu.add(m_select, text, icon, {QKeySequence(key)}, tip, [] {});
-    action->setCheckable(true);
-    action->setData(int(tool));
-    m_toolActions->addAction(action);
-    m_menu.needsDocument(action);
-    m_bar->addAction(action);
-    connect(action, &QAction::toggled, this, [this, tool](bool on) {
-        if (on)
-            m_tools.setTool(tool);
-        else if (m_tools.tool() == tool)
-            m_tools.setTool(SelectTools::Tool::None);
-        m_window.focusView();
-    });
+    m_bar->addAction(m_menu.addTool(m_select, m_toolActions, int(tool), text, icon, {QKeySequence(key)}, tip,
+                                    [this, tool](bool on) {
+                                        if (on)
+                                            m_tools.setTool(tool);
+                                        else if (m_tools.tool() == tool)
+                                            m_tools.setTool(SelectTools::Tool::None);
+                                    }));
 }
 
 void SelectBar::addActions()
@@ -128,8 +122,7 @@ void SelectBar::saveSelected()
 void SelectBar::addChoices()
 {
     const auto word = [this](const QString& text) {
-        auto* label = new QLabel(text);
-        label->setProperty("dim", true);
+        QLabel* const label = dimLabel(text);
         label->setContentsMargins(10, 0, 4, 0);
         m_bar->addWidget(label);
     };

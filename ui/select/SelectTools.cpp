@@ -126,12 +126,6 @@ void SelectTools::setBrushRadius(double px)
     emit brushRadiusChanged(m_radius);
 }
 
-glm::dvec2 SelectTools::toPicture(QPointF position) const
-{
-    const double ratio = m_viewport.devicePixelRatioF();
-    return {position.x() * ratio, position.y() * ratio};
-}
-
 ScreenMask SelectTools::mask() const
 {
     if (m_tool == Tool::Brush) return m_stroke;
@@ -139,12 +133,12 @@ ScreenMask SelectTools::mask() const
     ScreenMask mask(size.width(), size.height());
     if (m_corners.empty()) return mask;
     if (m_tool == Tool::Rectangle) {
-        mask.addRectangle(toPicture(m_corners.front()), toPicture(m_mouse));
+        mask.addRectangle(m_viewport.toPicture(m_corners.front()), m_viewport.toPicture(m_mouse));
         return mask;
     }
     std::vector<glm::dvec2> corners;
-    for (const QPointF& corner : m_corners) corners.push_back(toPicture(corner));
-    if (m_shape && m_tool == Tool::Polygon) corners.push_back(toPicture(m_mouse));
+    for (const QPointF& corner : m_corners) corners.push_back(m_viewport.toPicture(corner));
+    if (m_shape && m_tool == Tool::Polygon) corners.push_back(m_viewport.toPicture(m_mouse));
     mask.addPolygon(corners);
     return mask;
 }
@@ -175,8 +169,8 @@ void SelectTools::start(QPointF at, Qt::KeyboardModifiers modifiers)
     if (m_tool == Tool::Brush) {
         const QSize size = m_viewport.pictureSize();
         m_stroke = ScreenMask(size.width(), size.height());
-        const double ratio = m_viewport.devicePixelRatioF();
-        m_stroke.addStroke(toPicture(at), toPicture(at), m_radius * ratio);
+        const double ratio = m_viewport.pixelRatio();
+        m_stroke.addStroke(m_viewport.toPicture(at), m_viewport.toPicture(at), m_radius * ratio);
         m_selection.draw(m_stroke);
     }
 }
@@ -200,8 +194,8 @@ void SelectTools::update(QPointF to)
             break;
         }
         case Tool::Brush:
-            m_stroke.addStroke(toPicture(m_corners.back()), toPicture(to),
-                               m_radius * m_viewport.devicePixelRatioF());
+            m_stroke.addStroke(m_viewport.toPicture(m_corners.back()), m_viewport.toPicture(to),
+                               m_radius * m_viewport.pixelRatio());
             m_corners.back() = to;
             break;
         case Tool::None:
@@ -245,7 +239,7 @@ void SelectTools::followCamera()
 {
     if (!m_shape || m_tool != Tool::Polygon || m_anchors.size() != m_corners.size()) return;
     const QSize size = m_viewport.pictureSize();
-    const double ratio = m_viewport.devicePixelRatioF();
+    const double ratio = m_viewport.pixelRatio();
     for (std::size_t k = 0; k < m_corners.size(); ++k) {
         const glm::dvec3 px = m_viewport.camera().project(m_anchors[k], {size.width(), size.height()});
         m_corners[k] = {px.x / ratio, px.y / ratio};
@@ -318,7 +312,8 @@ bool SelectTools::mousePressed(const QMouseEvent& event)
             m_corners.push_back(m_mouse);
         }
         const QSize size = m_viewport.pictureSize();
-        m_anchors.push_back(m_viewport.camera().unproject(toPicture(m_mouse), {size.width(), size.height()}));
+        m_anchors.push_back(
+            m_viewport.camera().unproject(m_viewport.toPicture(m_mouse), {size.width(), size.height()}));
         update(m_mouse);
     } else {
         start(m_mouse, event.modifiers());

@@ -88,7 +88,6 @@ private:
     void setSpace(bool held);
     bool enough() const;
     ScreenMask mask() const;
-    glm::dvec2 toPicture(QPointF position) const;
 
     Viewport& m_viewport;
     Selection& m_selection;
