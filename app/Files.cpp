@@ -90,6 +90,11 @@ void addUpgrade(CLI::App& command, bool& upgrade)
                      "Write a point format and LAS version that can hold everything, where those of IN cannot");
 }
 
+void addNoVerify(CLI::App& command, bool& noVerify)
+{
+    command.add_flag("--no-verify", noVerify, "Do not read the written file back before it takes its name");
+}
+
 void reportWritten(const las::WriteReport& report, const fs::path& path, bool json, Json more)
 {
     if (json) {

@@ -34,6 +34,8 @@ las::WriteReport writeCloud(const PointCloud& cloud, const std::filesystem::path
                             const las::WriteOptions& options, Progress& progress);
 /// Adds --upgrade, for writeCloud.
 void addUpgrade(CLI::App& command, bool& upgrade);
+/// Adds --no-verify, for whatever writes a cloud.
+void addNoVerify(CLI::App& command, bool& noVerify);
 
 /// Tells what was written: JSON with `more` keys in front, or a line, and the notes on stderr.
 void reportWritten(const las::WriteReport& report, const std::filesystem::path& path, bool json,

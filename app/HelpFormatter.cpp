@@ -42,7 +42,7 @@ std::string row(const std::string& name, const std::string& description)
 }
 
 /// What stands for the value of an option: "N". CLI11 puts what its checks say behind it, which we leave out.
-std::string placeholder(const CLI::Option* option)
+std::string valueName(const CLI::Option* option)
 {
     const std::string type = option->get_type_name();
     for (std::size_t colon = type.find(':'); colon != std::string::npos; colon = type.find(':', colon + 1)) {
@@ -58,7 +58,7 @@ std::string HelpFormatter::make_option(const CLI::Option* option, bool positiona
 {
     std::string name = option->get_name(positional, true);
     if (const std::size_t comma = name.find(','); comma != std::string::npos) name.insert(comma + 1, 1, ' ');
-    if (!positional && option->get_items_expected_max() > 0) name += ' ' + placeholder(option);
+    if (!positional && option->get_items_expected_max() > 0) name += ' ' + valueName(option);
     return row(name, option->get_description());
 }
 
@@ -73,7 +73,7 @@ std::string HelpFormatter::make_usage(const CLI::App* app, std::string name) con
     }
     for (const CLI::Option* option : app->get_options([](const CLI::Option* o) { return o->nonpositional(); }))
         if (option->get_required())
-            usage += ' ' + option->get_name().substr(0, option->get_name().find(',')) + ' ' + placeholder(option);
+            usage += ' ' + option->get_name().substr(0, option->get_name().find(',')) + ' ' + valueName(option);
     return usage + " [OPTIONS]\n";
 }
 

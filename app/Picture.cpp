@@ -4,6 +4,8 @@
 #include "app/Files.h"
 #include "core/Error.h"
 
+#include <CLI/CLI.hpp>
+
 #include <QBuffer>
 #include <QColor>
 #include <QImage>
@@ -40,7 +42,7 @@ void writePng(const render::Image& image, const std::filesystem::path& path)
     writeWhole(path, {bytes.data().constData(), std::size_t(bytes.data().size())});
 }
 
-std::pair<int, int> parseSize(const std::string& text)
+PictureSize parseSize(const std::string& text)
 {
     int width = 0;
     int height = 0;
@@ -53,6 +55,24 @@ std::pair<int, int> parseSize(const std::string& text)
             return {width, height};
     }
     throw std::invalid_argument("\"" + text + "\" is no size; write WIDTHxHEIGHT in px, each 1 to 16384.");
+}
+
+std::string sizeText(PictureSize size)
+{
+    return std::to_string(size.width) + 'x' + std::to_string(size.height);
+}
+
+void addSize(CLI::App& command, PictureSize& size)
+{
+    const auto take = [&size](const std::string& text) {
+        try {
+            size = parseSize(text);
+        } catch (const std::invalid_argument& wrong) {
+            throw CLI::ValidationError(wrong.what());
+        }
+    };
+    command.add_option_function<std::string>("--size", take, "Width and height in px; default " + sizeText({}))
+        ->type_name("WxH");
 }
 
 Background parseBackground(const std::string& text)

@@ -5,7 +5,11 @@
 
 #include <filesystem>
 #include <string>
-#include <utility>
+
+namespace CLI
+{
+class App;
+}
 
 namespace punctum::app
 {
@@ -13,8 +17,17 @@ namespace punctum::app
 /// Writes a picture as PNG (8 bits a channel, with alpha), whole or not at all. Throws Error.
 void writePng(const render::Image& image, const std::filesystem::path& path);
 
-/// "1280x800" -> width and height in px, each 1 to 16384. Throws std::invalid_argument with a sentence.
-std::pair<int, int> parseSize(const std::string& text);
+/// Of a picture, in px.
+struct PictureSize {
+    int width = 1280;
+    int height = 800;
+};
+/// "1280x800", each 1 to 16384. Throws std::invalid_argument with a sentence.
+PictureSize parseSize(const std::string& text);
+/// "1280x800"
+std::string sizeText(PictureSize size);
+/// Adds --size.
+void addSize(CLI::App& command, PictureSize& size);
 
 /// What is behind the points, from the top of the picture to its bottom.
 struct Background {

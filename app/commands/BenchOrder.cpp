@@ -24,9 +24,7 @@ constexpr std::array<int, 7> kPercents{1, 2, 5, 10, 20, 40, 70};
 constexpr double kLowest = 0.02;  ///< percentiles that the color map spans
 
 struct BenchOrderOptions : BenchOptions {
-    std::string size = "1280x800";
-    int width = 0;
-    int height = 0;
+    PictureSize size;
 };
 
 /// How far a picture is from the finished one.
@@ -118,8 +116,8 @@ void measure(OrderKind order, const std::string& name, const std::shared_ptr<Poi
 
         render::Camera camera;
         camera.setView("iso");
-        camera.fit(cloud->coordinates().toWorld(bounds), {options.width, options.height});
-        Drawing drawing(*store, camera, {options.width, options.height, 1});
+        camera.fit(cloud->coordinates().toWorld(bounds), {options.size.width, options.size.height});
+        Drawing drawing(*store, camera, {options.size.width, options.size.height, 1});
         const Slot slots = store->slotCount();
         drawing.draw(0, slots);
         drawing.clear();
@@ -153,7 +151,7 @@ void runBenchOrder(const BenchOrderOptions& options, Progress& progress)
     const las::ReadResult result = reader->read(*cloud, progress);
     Figures figures;
     figures.fact("points", cloud->size());
-    figures.fact("size", options.size);
+    figures.fact("size", sizeText(options.size));
     measure(OrderKind::Stratified, "stratified", cloud, result.bounds, options, figures, progress);
     measure(OrderKind::Prime, "prime", cloud, result.bounds, options, figures, progress);
     figures.report(options);
@@ -169,15 +167,8 @@ void addBenchOrder(CLI::App& bench, Action& action)
         "picture is from the finished one when a share of the points is drawn");
     const auto options = std::make_shared<BenchOrderOptions>();
     addBenchOptions(command, *options);
-    command.add_option("--size", options->size, "Width and height in px; default 1280x800")->type_name("WxH");
-    command.callback([options, &action] {
-        try {
-            std::tie(options->width, options->height) = parseSize(options->size);
-        } catch (const std::invalid_argument& wrong) {
-            throw CLI::ValidationError(wrong.what());
-        }
-        action = [options](Progress& p) { runBenchOrder(*options, p); };
-    });
+    addSize(command, options->size);
+    command.callback([options, &action] { action = [options](Progress& p) { runBenchOrder(*options, p); }; });
 }
 
 }  // namespace punctum::app

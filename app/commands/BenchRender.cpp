@@ -22,13 +22,11 @@ constexpr double kTurn = std::numbers::pi;
 
 struct BenchRenderOptions : BenchOptions {
     std::string backend = "auto";
-    std::string size = "1280x800";
     int samples = 1;
     std::string order = "stratified";
     double budget = 16.6;  ///< ms
     double budgetPoints = 0;
-    int width = 0;
-    int height = 0;
+    PictureSize size;
 };
 
 /// The renderer and the cloud it shows, and how to begin with an empty picture.
@@ -41,8 +39,8 @@ struct Stage {
     void empty() const
     {
         // a target of another size and back is a new one, with nothing in it
-        renderer.setSize(options.width + 8, options.height);
-        renderer.setSize(options.width, options.height);
+        renderer.setSize(options.size.width + 8, options.size.height);
+        renderer.setSize(options.size.width, options.size.height);
         renderer.setCamera(camera);
     }
     render::Camera turned(int frame) const
@@ -113,8 +111,8 @@ void runBenchRender(const BenchRenderOptions& options, Progress& progress)
     const auto points = double(cloud.cloud->size());
     render::DisplaySettings display;
     display.samples = options.samples;
-    show(renderer, cloud, options.width, options.height, display);
-    const Stage stage{renderer, options, benchCamera(cloud, options.width, options.height)};
+    show(renderer, cloud, options.size.width, options.size.height, display);
+    const Stage stage{renderer, options, benchCamera(cloud, options.size.width, options.size.height)};
     renderer.setPointsAFrame(PointIndex(options.budgetPoints));
     drawAll(renderer, false, progress);  // streams the attribute, learns the cost of a point, touches all memory
 
@@ -122,7 +120,7 @@ void runBenchRender(const BenchRenderOptions& options, Progress& progress)
     figures.fact("points", cloud.cloud->size());
     figures.fact("backend", render::nameOf(renderer.backend().kind()));
     figures.fact("device", renderer.backend().description());
-    figures.fact("size", options.size);
+    figures.fact("size", sizeText(options.size));
     figures.fact("samples", options.samples);
     std::vector<std::vector<double>> covered;
     for (int round = 0; round < options.rounds; ++round) {
@@ -162,7 +160,7 @@ void addBenchRender(CLI::App& bench, Action& action)
     const auto options = std::make_shared<BenchRenderOptions>();
     addBenchOptions(command, *options);
     addBackendOption(command, options->backend);
-    command.add_option("--size", options->size, "Width and height in px; default 1280x800")->type_name("WxH");
+    addSize(command, options->size);
     command.add_option("--samples", options->samples, "Samples a pixel: 1, 4, 8 or 16; default 1")
         ->type_name("N")
         ->check(CLI::IsMember({1, 4, 8, 16}));
@@ -175,14 +173,7 @@ void addBenchRender(CLI::App& bench, Action& action)
     command.add_option("--budget-points", options->budgetPoints, "Points drawn in each frame, whatever the time")
         ->type_name("N")
         ->check(CLI::Range(1.0, 4e9));
-    command.callback([options, &action] {
-        try {
-            std::tie(options->width, options->height) = parseSize(options->size);
-        } catch (const std::invalid_argument& wrong) {
-            throw CLI::ValidationError(wrong.what());
-        }
-        action = [options](Progress& p) { runBenchRender(*options, p); };
-    });
+    command.callback([options, &action] { action = [options](Progress& p) { runBenchRender(*options, p); }; });
 }
 
 }  // namespace punctum::app

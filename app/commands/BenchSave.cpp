@@ -109,7 +109,7 @@ void addBenchSave(CLI::App& bench, Action& action)
     command
         .add_option("--folder", options->folder, "Folder to write to; default: the system's for temporary files")
         ->type_name("DIR");
-    command.add_flag("--no-verify", options->noVerify, "Do not read the written file back");
+    addNoVerify(command, options->noVerify);
     command.callback([options, &action] { action = [options](Progress& p) { runBenchSave(*options, p); }; });
 }
 

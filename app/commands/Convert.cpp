@@ -55,8 +55,7 @@ void addConvert(CLI::App& root, Action& action)
         ->type_name("N")
         ->check(CLI::Range(0, 10));
     addUpgrade(command, options->upgrade);
-    command.add_flag("--no-verify", options->noVerify,
-                     "Do not read the written file back before it takes its name");
+    addNoVerify(command, options->noVerify);
     command.add_flag("--json", options->json, "Report in JSON");
     command.callback([options, &action] { action = [options](Progress& p) { runConvert(*options, p); }; });
 }

@@ -61,8 +61,7 @@ void addExtract(CLI::App& root, Action& action)
     command.add_option("--where", options->where, "Condition over attributes; the user guide tells the language")
         ->type_name("CONDITION")
         ->required();
-    command.add_flag("--no-verify", options->noVerify,
-                     "Do not read the written file back before it takes its name");
+    addNoVerify(command, options->noVerify);
     command.add_flag("--json", options->json, "Report in JSON");
     command.callback([options, &action] { action = [options](Progress& p) { runExtract(*options, p); }; });
 }

@@ -171,8 +171,7 @@ void addProcess(CLI::App& root, Action& action)
                                          "--step \"normals k=16\"; may be given again for further steps")
                              ->type_name("STEP");
     addUpgrade(command, options->upgrade);
-    command.add_flag("--no-verify", options->noVerify,
-                     "Do not read the written file back before it takes its name");
+    addNoVerify(command, options->noVerify);
     command.add_flag("--list-steps", options->list, "List all steps with their parameters, and do nothing else");
     command.add_flag("--json", options->json, "Report in JSON");
     command.callback([=, &action] {

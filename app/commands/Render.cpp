@@ -30,7 +30,7 @@ namespace
 struct RenderOptions {
     std::vector<std::string> files;
     std::string out;
-    std::string size = "1280x800";
+    PictureSize size;
     std::string attribute;
     std::string colorMap;  ///< empty: the one that suits the attribute
     std::string range;
@@ -57,8 +57,6 @@ struct RenderOptions {
 /// The options with a grammar of their own, understood.
 struct RenderRequest {
     RenderOptions options;
-    int width = 0;
-    int height = 0;
     std::optional<std::pair<double, double>> range;
     Background background;
     Clip clip;
@@ -190,7 +188,8 @@ void runRender(const RenderRequest& request, Progress& progress)
         renderer.hide(*loaded.cloud, expression::selectOthers(*loaded.cloud, filter, progress).get());
     }
 
-    const glm::dvec2 size(request.width, request.height);
+    const auto [width, height] = options.size;
+    const glm::dvec2 size(width, height);
     render::Camera camera;
     camera.setView(options.view.empty() ? "iso" : options.view);
     camera.stretch = render::viewStretch(*clouds.front().cloud, bounds);
@@ -204,14 +203,14 @@ void runRender(const RenderRequest& request, Progress& progress)
     if (!options.camera.empty()) camera = readCamera(options.camera, camera, shown, size);
     renderer.setCamera(camera);
 
-    const Picture picture = drawPicture(renderer, request.width, request.height, options.bruteForce, progress);
+    const Picture picture = drawPicture(renderer, width, height, options.bruteForce, progress);
     writePng(picture.image, options.out);
 
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     if (options.json)
         printJson({{"file", options.out},
-                   {"width", request.width},
-                   {"height", request.height},
+                   {"width", width},
+                   {"height", height},
                    {"points", points},
                    {"backend", render::nameOf(renderer.backend().kind())},
                    {"device", renderer.backend().description()},
@@ -221,8 +220,8 @@ void runRender(const RenderRequest& request, Progress& progress)
                    {"camera", jsonOf(camera)},
                    {"seconds", seconds.count()}});
     else
-        print(options.out + ": " + std::to_string(request.width) + " x " + std::to_string(request.height) +
-              " px, " + grouped(points) + " points, " + renderer.shownAttribute() + "\n");
+        print(options.out + ": " + std::to_string(width) + " x " + std::to_string(height) + " px, " +
+              grouped(points) + " points, " + renderer.shownAttribute() + "\n");
 }
 
 }  // namespace
@@ -237,7 +236,7 @@ void addRender(CLI::App& root, Action& action)
 
     command.add_option("FILE", options->files, "LAS or LAZ files, drawn together")->required();
     command.add_option("-o,--output", options->out, "Picture to write: .png")->required()->type_name("OUT.png");
-    command.add_option("--size", options->size, "Width and height in px; default 1280x800")->type_name("WxH");
+    addSize(command, options->size);
     command
         .add_option("--attribute", options->attribute,
                     "Attribute to show, such as Z, Intensity, Classification, RGB or an extra one; "
@@ -324,7 +323,6 @@ void addRender(CLI::App& root, Action& action)
         RenderRequest request;
         request.options = *options;
         try {
-            std::tie(request.width, request.height) = parseSize(options->size);
             if (!options->range.empty()) request.range = parseRange(options->range);
             if (!options->clip.empty()) request.clip.box = parseBox(options->clip);
             for (const std::string& plane : options->planes) request.clip.planes.push_back(parsePlane(plane));

@@ -110,8 +110,7 @@ void addReplay(CLI::App& root, Action& action)
         command.add_option("-o,--output", options->out, "File to write: .las or .laz")->type_name("OUT");
     command.add_flag("--list", options->list, "List what the journal tells, and do nothing else");
     addUpgrade(command, options->upgrade);
-    command.add_flag("--no-verify", options->noVerify,
-                     "Do not read the written file back before it takes its name");
+    addNoVerify(command, options->noVerify);
     command.add_flag("--json", options->json, "Report in JSON");
     command.callback([=, &action] {
         if (!options->list) {
