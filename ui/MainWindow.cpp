@@ -89,11 +89,9 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     setDockOptions(AnimatedDocks | AllowTabbedDocks | AllowNestedDocks);
     setTabPosition(Qt::AllDockWidgetAreas, QTabWidget::North);
     askUnsaved = [this](const QString& name) { return askInBox(this, name); };
-    m_workspace->askQuestion = [this](const QString& question, const QString& reason, const QString& yes,
-                                      std::function<void(bool)> answer) {
-        punctum::ui::askQuestion(this, question, reason, yes, std::move(answer));
+    m_workspace->askQuestion = [this](const Question& question, std::function<void(bool)> answer) {
+        punctum::ui::askQuestion(this, question, std::move(answer));
     };
-
     m_workspace->recovery().ask = m_workspace->askQuestion;
 
     const auto backend = options.backend ? options.backend : m_settings->backend();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/edit/Journal.h"
+#include "ui/Question.h"
 
 #include <QObject>
 #include <QPointer>
@@ -45,11 +46,8 @@ public:
     /// Looks for a journal of the document, and asks.
     void look(Document& document);
 
-    /// Asks whether to recover; `reason` says what. Replaced by tests; none: nothing is recovered, and nothing
-    /// lost.
-    using Ask = std::function<void(const QString& question, const QString& reason, const QString& yes,
-                                   std::function<void(bool)> answer)>;
-    Ask ask;
+    /// Asks whether to recover. None: nothing is recovered, and nothing lost.
+    AskQuestion ask;
 
 private:
     std::filesystem::path pathOf(const CloudKey& key) const;

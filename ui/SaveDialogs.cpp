@@ -51,17 +51,17 @@ void showReport(QWidget* parent, const QString& title, const QString& text)
     dialog->show();
 }
 
-void askQuestion(QWidget* parent, const QString& question, const QString& reason, const QString& yes,
-                 std::function<void(bool)> then)
+void askQuestion(QWidget* parent, const Question& question, std::function<void(bool)> then)
 {
-    auto* box = new QMessageBox(QMessageBox::NoIcon, QStringLiteral("Punctum"), question,
+    auto* box = new QMessageBox(QMessageBox::NoIcon, QStringLiteral("Punctum"), question.text,
                                 QMessageBox::Save | QMessageBox::Cancel, parent);
     box->setObjectName(QStringLiteral("savingQuestion"));
     box->setIconPixmap(lineIcon(QStringLiteral("warning"), themeColors().warning).pixmap(32, 32));
     box->setAttribute(Qt::WA_DeleteOnClose);
     box->setTextFormat(Qt::PlainText);
-    box->setInformativeText(reason);
-    box->button(QMessageBox::Save)->setText(yes);
+    box->setInformativeText(question.reason);
+    box->button(QMessageBox::Save)->setText(question.yes);
+    if (!question.no.isEmpty()) box->button(QMessageBox::Cancel)->setText(question.no);
     box->setDefaultButton(QMessageBox::Cancel);
     QObject::connect(box, &QMessageBox::finished, box,
                      [then = std::move(then)](int answer) { then(answer == QMessageBox::Save); });
@@ -70,8 +70,10 @@ void askQuestion(QWidget* parent, const QString& question, const QString& reason
 
 void askBeforeSaving(QWidget* parent, const QString& name, const QString& what, std::function<void(bool)> then)
 {
-    askQuestion(parent, QObject::tr("%1 will differ from the opened file in more than your edits.").arg(name), what,
-                QObject::tr("&Save"), std::move(then));
+    askQuestion(parent,
+                {QObject::tr("%1 will differ from the opened file in more than your edits.").arg(name), what,
+                 QObject::tr("&Save")},
+                std::move(then));
 }
 
 }  // namespace punctum::ui

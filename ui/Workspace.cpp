@@ -426,21 +426,22 @@ void Workspace::startSave(const std::shared_ptr<Saving>& saving)
 /// A yes to what stopped the save is noted in its options, and begins it again.
 void Workspace::askFor(const std::shared_ptr<Saving>& saving)
 {
-    QString question, yes, reason = toQString(std::string(saving->question->what()));
+    Question question;
+    question.reason = toQString(std::string(saving->question->what()));
     switch (saving->question->kind()) {
         case las::WriteQuestion::Kind::TargetChanged:
-            question = tr("Replace the changed file?");
-            yes = tr("&Replace");
+            question.text = tr("Replace the changed file?");
+            question.yes = tr("&Replace");
             break;
         case las::WriteQuestion::Kind::Upgrade:
-            question = tr("Save as %1?").arg(toQString(saving->question->becomes()));
-            reason +=
+            question.text = tr("Save as %1?").arg(toQString(saving->question->becomes()));
+            question.reason +=
                 QLatin1Char(' ') + tr("Every value is kept. Programs that know only older formats cannot read the "
                                       "file then. You are asked once for this file.");
-            yes = tr("&Save");
+            question.yes = tr("&Save");
             break;
     }
-    askQuestion(question, reason, yes, [this, saving](bool wanted) {
+    askQuestion(question, [this, saving](bool wanted) {
         if (!wanted) {
             if (saving->ended) saving->ended(false);
             return;

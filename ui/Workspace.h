@@ -5,6 +5,7 @@
 #include "core/process/Step.h"
 #include "core/task/Jobs.h"
 #include "ui/Document.h"
+#include "ui/Question.h"
 
 #include <QObject>
 #include <QPointer>
@@ -57,10 +58,7 @@ public:
     /// Writes LAS or LAZ by the path's ending, and tells what that changed. `ended(true)`: written and renamed over
     /// `path`. Without `ask` it goes on in any case.
     void save(Document& document, const QString& path, std::function<void(bool)> ended = {}, AskSave ask = {});
-    /// Asked by a save that cannot go on without the user's word: `reason` says why, `yes` are the words of the
-    /// button to go on. Without it, such a save fails with a message.
-    using AskQuestion = std::function<void(const QString& question, const QString& reason, const QString& yes,
-                                           std::function<void(bool)> answer)>;
+    /// Asked by a save that cannot go on without the user's word. Without it, such a save fails with a message.
     AskQuestion askQuestion;
     void undo(Document& document);
     void redo(Document& document);

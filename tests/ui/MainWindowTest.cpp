@@ -504,9 +504,9 @@ private slots:
         QVERIFY(document);
         QStringList asked;
         bool answer = false;
-        test.window->workspace().askQuestion = [&](const QString& question, const QString& reason,
-                                                   const QString& yes, const std::function<void(bool)>& answered) {
-            asked << question << reason << yes;
+        test.window->workspace().askQuestion = [&](const Question& question,
+                                                   const std::function<void(bool)>& answered) {
+            asked << question.text << question.reason << question.yes;
             answered(answer);
         };
         const auto save = [&] {

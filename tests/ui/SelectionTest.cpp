@@ -420,9 +420,9 @@ private slots:
         {
             Bench b(settings);
             QString told;
-            b.window->workspace().recovery().ask = [&](const QString&, const QString& reason, const QString&,
-                                                       std::function<void(bool)> answer) {
-                told = reason;
+            b.window->workspace().recovery().ask = [&](const Question& question,
+                                                       const std::function<void(bool)>& answer) {
+                told = question.reason;
                 answer(true);
             };
             QVERIFY(b.begin(Tool::None, file));
@@ -440,8 +440,7 @@ private slots:
         // the journal is of the file as it was: of the one that was saved it is not
         QVERIFY(QFile::copy(kept, journals.filePath(name)));
         Bench b(settings);
-        b.window->workspace().recovery().ask = [](const QString&, const QString&, const QString&,
-                                                  const std::function<void(bool)>&) {
+        b.window->workspace().recovery().ask = [](const Question&, const std::function<void(bool)>&) {
             QFAIL("asked for another file");
         };
         QVERIFY(b.begin(Tool::None, file));
