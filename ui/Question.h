@@ -11,9 +11,10 @@ namespace punctum::ui
 /// What the user is asked before something goes on.
 struct Question {
     QString text;
-    QString reason;   ///< in sentences
-    QString yes;      ///< the button that goes on
-    QString no = {};  ///< the button that does not, which Escape stands for; empty: Cancel
+    QString reason;             ///< in sentences
+    QString yes;                ///< the button that goes on
+    QString no = {};            ///< the button that does not, which Escape stands for; empty: Cancel
+    bool yesByDefault = false;  ///< Return goes on: only where that loses nothing
 };
 
 /// Puts a question to the user, returns at once, and calls `answer` with whether to go on, any time later. Replaced

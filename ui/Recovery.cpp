@@ -132,10 +132,9 @@ void Recovery::offer(Document& document, const std::filesystem::path& path,
             : tr("The program ended before %1 edits of %2 were saved: %3.")
                   .arg(countText(names.size()), document.name(), listed(names));
     if (!journal->damage.empty()) reason += QLatin1Char(' ') + toQString(journal->damage);
-    reason += QLatin1Char(' ') +
-              tr("Recovering does them again; they can be undone. Set aside, their journal is kept for punctum "
-                 "replay, and you are not asked again.");
-    ask({tr("Recover unsaved edits?"), reason, tr("&Recover"), tr("&Set Aside")},
+    reason += QLatin1Char(' ') + tr("Recover does it again, and can be undone. Set aside, the journal is kept for "
+                                    "punctum replay, and you are not asked again.");
+    ask({tr("Recover unsaved edits?"), reason, tr("&Recover"), tr("&Set Aside"), true},
         [this, target = QPointer<Document>(&document), path, journal](bool wanted) {
             if (!target) return;
             if (wanted) return recover(*target, path, journal);

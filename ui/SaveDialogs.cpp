@@ -62,7 +62,7 @@ void askQuestion(QWidget* parent, const Question& question, std::function<void(b
     box->setInformativeText(question.reason);
     box->button(QMessageBox::Save)->setText(question.yes);
     if (!question.no.isEmpty()) box->button(QMessageBox::Cancel)->setText(question.no);
-    box->setDefaultButton(QMessageBox::Cancel);
+    box->setDefaultButton(question.yesByDefault ? QMessageBox::Save : QMessageBox::Cancel);
     QObject::connect(box, &QMessageBox::finished, box,
                      [then = std::move(then)](int answer) { then(answer == QMessageBox::Save); });
     box->open();

@@ -56,6 +56,14 @@ private:
         options.upgrade = upgrade;
         return las::write(cloud, path, options, progress);
     }
+    /// A file of format 1 with such records, written in the format that wants WKT.
+    las::WriteReport saveAsFormat6(const std::string& name, const std::vector<Bytes>& vlrs) const
+    {
+        Progress progress;
+        las::WriteOptions options;
+        options.pointFormat = 6;
+        return las::write(*make(1, lasfiles::randomRecords(1, 28, 10, 1), 28, vlrs), temp(name), options, progress);
+    }
     /// What write() would ask; fails the test when it asks nothing.
     static las::WriteQuestion question(const PointCloud& cloud, const fs::path& path)
     {
@@ -88,17 +96,18 @@ std::unique_ptr<Command> reclassify(PointCloud& cloud, const std::string& text)
     return command;
 }
 
-/// GeoTIFF keys: id and value, all short.
-Bytes geoKeys(const std::vector<std::pair<std::uint16_t, std::uint16_t>>& keys)
+/// A record of GeoTIFF keys: id and value in turn, all short.
+Bytes geoKeys(const QList<int>& keys)
 {
-    Bytes b(8 + 8 * keys.size());
+    const auto count = std::size_t(keys.size()) / 2;
+    Bytes b(8 + 8 * count);
     lasfiles::set<std::uint16_t>(b, 0, 1);
     lasfiles::set<std::uint16_t>(b, 2, 1);
-    lasfiles::set<std::uint16_t>(b, 6, std::uint16_t(keys.size()));
-    for (std::size_t k = 0; k < keys.size(); ++k) {
-        lasfiles::set<std::uint16_t>(b, 8 + 8 * k, keys[k].first);
+    lasfiles::set<std::uint16_t>(b, 6, std::uint16_t(count));
+    for (std::size_t k = 0; k < count; ++k) {
+        lasfiles::set<std::uint16_t>(b, 8 + 8 * k, std::uint16_t(keys[2 * k]));
         lasfiles::set<std::uint16_t>(b, 12 + 8 * k, 1);
-        lasfiles::set<std::uint16_t>(b, 14 + 8 * k, keys[k].second);
+        lasfiles::set<std::uint16_t>(b, 14 + 8 * k, std::uint16_t(keys[2 * k + 1]));
     }
     return b;
 }
@@ -297,17 +306,11 @@ void LasUpgradeTest::geoTiffBecomesWkt()
     QFETCH(QList<int>, keys);
     QFETCH(QString, inWkt);
     QFETCH(QString, unit);
-    std::vector<std::pair<std::uint16_t, std::uint16_t>> list;
-    for (qsizetype k = 0; k < keys.size(); k += 2) list.emplace_back(keys[k], keys[k + 1]);
-    const auto cloud =
-        make(1, lasfiles::randomRecords(1, 28, 10, 1), 28,
-             {lasfiles::record("other", 1, Bytes(3)), lasfiles::record("LASF_Projection", 34735, geoKeys(list)),
-              lasfiles::record("LASF_Projection", 34736, Bytes(8)),
-              lasfiles::record("LASF_Projection", 34737, Bytes(8)), lasfiles::record("last", 2, Bytes(1))});
-    Progress progress;
-    las::WriteOptions options;
-    options.pointFormat = 6;
-    const auto report = las::write(*cloud, temp("wkt.las"), options, progress);
+    const auto report = saveAsFormat6(
+        "wkt.las",
+        {lasfiles::record("other", 1, Bytes(3)), lasfiles::record("LASF_Projection", 34735, geoKeys(keys)),
+         lasfiles::record("LASF_Projection", 34736, Bytes(8)), lasfiles::record("LASF_Projection", 34737, Bytes(8)),
+         lasfiles::record("last", 2, Bytes(1))});
     QVERIFY(hasNote(report, "translated from GeoTIFF keys to WKT"));
     const auto source = las::Reader::open(temp("wkt.las"))->source();
     QCOMPARE(source->header.globalEncoding() & 16, 16);
@@ -338,15 +341,8 @@ void LasUpgradeTest::geoTiffThatCannotBeTranslatedStays_data()
 void LasUpgradeTest::geoTiffThatCannotBeTranslatedStays()
 {
     QFETCH(QList<int>, keys);
-    std::vector<std::pair<std::uint16_t, std::uint16_t>> list;
-    for (qsizetype k = 0; k < keys.size(); k += 2) list.emplace_back(keys[k], keys[k + 1]);
-    const Bytes record = geoKeys(list);
-    const auto cloud =
-        make(1, lasfiles::randomRecords(1, 28, 10, 1), 28, {lasfiles::record("LASF_Projection", 34735, record)});
-    Progress progress;
-    las::WriteOptions options;
-    options.pointFormat = 6;
-    const auto report = las::write(*cloud, temp("keys.las"), options, progress);
+    const Bytes record = geoKeys(keys);
+    const auto report = saveAsFormat6("keys.las", {lasfiles::record("LASF_Projection", 34735, record)});
     QVERIFY(hasNote(report, "stays in GeoTIFF keys"));
     const auto source = las::Reader::open(temp("keys.las"))->source();
     QCOMPARE(source->header.globalEncoding() & 16, 0);
