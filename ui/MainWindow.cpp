@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/task/Progress.h"
+#include "ui/ClipFrame.h"
 #include "ui/HelpPages.h"
 #include "ui/MainMenu.h"
 #include "ui/MessageArea.h"
@@ -183,11 +184,17 @@ void MainWindow::addDocks()
 void MainWindow::connectParts()
 {
     // One tool has the mouse.
-    connect(m_measureTools, &MeasureTools::toolChanged, this, [this] {
+    const auto showHandles = [this] {
+        m_viewport->clipFrame().showHandles(!m_measureTools->tool() &&
+                                            m_selectTools->tool() == SelectTools::Tool::None);
+    };
+    connect(m_measureTools, &MeasureTools::toolChanged, this, [this, showHandles] {
         if (m_measureTools->tool()) m_selectTools->setTool(SelectTools::Tool::None);
+        showHandles();
     });
-    connect(m_selectTools, &SelectTools::toolChanged, this, [this](SelectTools::Tool tool) {
+    connect(m_selectTools, &SelectTools::toolChanged, this, [this, showHandles](SelectTools::Tool tool) {
         if (tool != SelectTools::Tool::None) m_measureTools->setTool({});
+        showHandles();
     });
     connect(m_workspace, &Workspace::documentAdded, this, &MainWindow::documentAdded);
     connect(m_workspace, &Workspace::documentLoaded, this, &MainWindow::documentLoaded);

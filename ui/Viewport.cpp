@@ -49,7 +49,7 @@ Viewport::Viewport(ViewRenderer& renderer, ViewSettings& settings, bool openGl, 
       m_renderer(renderer),
       m_settings(settings),
       m_surface(makeViewSurface(*this, openGl)),
-      m_clipFrame(new ClipFrame(this)),
+      m_clipFrame(new ClipFrame(*this)),
       m_title(new TitleOverlay(this)),
       m_legend(new LegendOverlay(this)),
       m_compass(new CompassOverlay(this)),
@@ -72,6 +72,11 @@ Viewport::Viewport(ViewRenderer& renderer, ViewSettings& settings, bool openGl, 
     });
     connect(m_empty, &EmptyPage::openRequested, this, &Viewport::openRequested);
     connect(m_messages, &MessageArea::resized, this, &Viewport::placeOverlays);
+    connect(m_clipFrame, &ClipFrame::boxDragged, this, [this](const WorldBounds& box) {
+        Clip clip = m_settings.display().clip;
+        clip.box = box;
+        m_settings.setClip(clip);
+    });
     connect(&m_renderer, &ViewRenderer::frameReady, this, &Viewport::takeFrame);
     connect(&m_settings, &ViewSettings::changed, this, &Viewport::sendDisplay);
     sendDisplay();

@@ -67,6 +67,7 @@ public:
     void updateTitle();
 
     MessageArea& messages() noexcept { return *m_messages; }
+    ClipFrame& clipFrame() noexcept { return *m_clipFrame; }
     const LegendOverlay& legend() const noexcept { return *m_legend; }
     const DropHint& dropHint() const noexcept { return *m_dropHint; }
     bool usesOpenGl() const;

@@ -3,15 +3,21 @@
 #include "UiTest.h"
 
 #include "core/task/Progress.h"
+#include "ui/ClipFrame.h"
 #include "ui/ViewFilter.h"
 #include "ui/ViewSettings.h"
+#include "ui/Viewport.h"
 #include "ui/Workspace.h"
 #include "ui/docks/VisibilityDock.h"
+#include "ui/select/SelectTools.h"
 
 #include <QCheckBox>
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
+#include <QWindow>
+
+#include <atomic>
 
 using namespace punctum;
 using namespace punctum::ui;
@@ -116,6 +122,114 @@ private slots:
         QTest::mouseClick(uncut, Qt::LeftButton);
         QVERIFY(test.settle());
         QVERIFY(waitFor([&] { return difference(all, test.frame()->image) == 0.0; }));
+    }
+
+    void boxIsDragged()
+    {
+        const QString file = dataFile(QStringLiteral("autzen_trim.laz"));
+        if (file.isEmpty()) QSKIP("autzen_trim.laz is not here.");
+        TestWindow test;
+        Document* document = test.open(file);
+        QVERIFY(document && test.settle());
+        VisibilityDock& dock = test.window->visibilityDock();
+        dock.show();
+        dock.raise();
+        Viewport& view = test.window->viewport();
+        const ClipFrame& frame = view.clipFrame();
+        auto* least = find<QLineEdit>(dock, QStringLiteral("Least X"));
+        auto* most = find<QLineEdit>(dock, QStringLiteral("Most X"));
+        auto* box = dock.findChild<QCheckBox*>();
+        QVERIFY(least && most && !frame.handle(ClipFrame::kMiddle));
+        QTest::mouseClick(box, Qt::LeftButton, {}, QPoint(8, box->height() / 2));
+        QVERIFY(test.settle());
+        const auto now = [&] { return *test.window->viewSettings().display().clip.box; };
+        const WorldBounds whole = now();
+        const double width = whole.max.x - whole.min.x;
+
+        QWindow* const window = test.window->windowHandle();
+        const auto inWindow = [&](QPointF at) { return view.mapTo(test.window.get(), at.toPoint()); };
+        const auto place = [&](const glm::dvec3& world) {
+            const glm::dvec3 px = view.camera().project(world, {double(view.width()), double(view.height())});
+            return QPointF(px.x, px.y);
+        };
+        const glm::dvec3 middle = whole.min + (whole.max - whole.min) * 0.5;
+        constexpr std::size_t kMostX = 1;
+        // From the handle by as much as the face has to move on the screen to get to the middle.
+        const QPointF from = *frame.handle(kMostX);
+        const QPointF by = place(middle) - place({whole.max.x, middle.y, middle.z});
+        QTest::mousePress(window, Qt::LeftButton, Qt::NoModifier, inWindow(from));
+        QTest::mouseMove(window, inWindow(from + by / 2));
+        const double half = now().max.x;
+        QVERIFY(half < whole.max.x - width / 8 && half > middle.x);
+        QCOMPARE(most->text(), QString::number(half, 'f', 3));
+        QVERIFY(waitFor([&] { return hiddenBy(test, *document) > 0 && test.frame()->report.share == 1.0; }));
+        QTest::mouseMove(window, inWindow(from + by));
+        QVERIFY(std::abs(now().max.x - middle.x) < width / 100);
+        QCOMPARE(now().min, whole.min);
+        QCOMPARE(now().max.y, whole.max.y);
+        QTest::mouseRelease(window, Qt::LeftButton, Qt::NoModifier, inWindow(from + by));
+        QTest::mouseMove(window, inWindow(from));  // nothing is held any more
+        const WorldBounds dragged = now();
+        QVERIFY(std::abs(dragged.max.x - middle.x) < width / 100);
+        PointIndex expected = 0;
+        for (PointIndex i = 0; i < document->points(); ++i)
+            expected += document->cloud()->world(i).x > dragged.max.x;
+        QCOMPARE(hiddenBy(test, *document), expected);
+        // What the settings of now come to, and no older picture.
+        const auto picture = [&] {
+            std::atomic<bool> there = false;
+            std::shared_ptr<const render::Image> image;
+            test.window->renderer().capture(false, [&](std::shared_ptr<const render::Image> taken) {
+                image = std::move(taken);
+                there = true;
+            });
+            return waitFor([&] { return there.load(); }) ? image : nullptr;
+        };
+        const auto cut = picture();
+        QVERIFY(cut);
+
+        // Escape takes back what is being dragged; the camera has not moved meanwhile.
+        const render::Camera camera = view.camera();
+        const QPointF center = *frame.handle(ClipFrame::kMiddle);
+        QTest::mousePress(window, Qt::LeftButton, Qt::NoModifier, inWindow(center));
+        QTest::mouseMove(window, inWindow(center + QPointF(60, 25)));
+        QVERIFY(std::abs(now().min.x - dragged.min.x) > width / 100);
+        QVERIFY(std::abs((now().max.x - now().min.x) - (dragged.max.x - dragged.min.x)) < width * 1e-9);
+        QTest::keyClick(window, Qt::Key_Escape);
+        QCOMPARE(now().min, dragged.min);
+        QCOMPARE(now().max, dragged.max);
+        QTest::mouseMove(window, inWindow(center + QPointF(90, 25)));
+        QTest::mouseRelease(window, Qt::LeftButton, Qt::NoModifier, inWindow(center + QPointF(90, 25)));
+        QCOMPARE(now().max, dragged.max);
+        QVERIFY(camera == view.camera());
+        const auto same = picture();
+        QVERIFY(same && *same == *cut);
+
+        // A face stops at the one that faces it; keys move it as well.
+        const QPointF again = *frame.handle(kMostX);
+        QTest::mousePress(window, Qt::LeftButton, Qt::NoModifier, inWindow(again));
+        QTest::mouseMove(window, inWindow(again + 3 * by));
+        QCOMPARE(now().max.x, now().min.x);
+        QTest::mouseMove(window, inWindow(again));
+        QTest::mouseRelease(window, Qt::LeftButton, Qt::NoModifier, inWindow(again));
+        QVERIFY(std::abs(now().max.x - dragged.max.x) < width / 1000);
+        least->setFocus();
+        QTest::keyClick(least, Qt::Key_Up);
+        QVERIFY(std::abs(now().min.x - (whole.min.x + (dragged.max.x - whole.min.x) / 100)) < width / 1000);
+        QCOMPARE(least->text(), QString::number(now().min.x, 'f', 3));
+
+        // A tool has the mouse for itself.
+        test.window->selectTools().setTool(SelectTools::Tool::Lasso);
+        QVERIFY(!frame.handle(kMostX));
+        test.window->selectTools().setTool(SelectTools::Tool::None);
+        QVERIFY(frame.handle(kMostX));
+        // Seen from above, only what moves sideways has a handle.
+        QTest::mouseClick(find<QPushButton>(dock, QStringLiteral("Box of the File")), Qt::LeftButton);
+        QCOMPARE(now().max.x, whole.max.x);
+        view.setStandardView(QStringLiteral("top"));
+        QVERIFY(test.settle());
+        QVERIFY(waitFor([&] { return view.camera().pitch < -1.57; }));
+        QVERIFY(frame.handle(0) && frame.handle(3) && !frame.handle(4) && !frame.handle(5));
     }
 };
 

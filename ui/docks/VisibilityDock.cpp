@@ -12,6 +12,7 @@
 #include <QCheckBox>
 #include <QGridLayout>
 #include <QHBoxLayout>
+#include <QKeyEvent>
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
@@ -23,6 +24,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
 
+#include <algorithm>
+
 namespace punctum::ui
 {
 
@@ -30,11 +33,6 @@ namespace
 {
 
 constexpr int kPartSpacing = 8;  // px
-
-QString coordinateText(double value, bool degrees)
-{
-    return QString::number(value, 'f', degrees ? 7 : 3);
-}
 
 }  // namespace
 
@@ -74,6 +72,9 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
             field = new QLineEdit;
             field->setMinimumWidth(60);
             field->setAccessibleName((side == 0 ? tr("Least %1") : tr("Most %1")).arg(QChar(u'X' + axis)));
+            field->setToolTip(
+                tr("Up and Down move the face by a hundredth of the box; in the view, drag its handle"));
+            field->installEventFilter(this);
             connect(field, &QLineEdit::editingFinished, this, &VisibilityDock::applyBox);
             fields->addWidget(field, axis, 1 + side);
         }
@@ -169,17 +170,21 @@ void VisibilityDock::takeClip()
     m_uncut->setEnabled(!clip.planes.empty());
 }
 
+QString VisibilityDock::faceText(const WorldBounds& box, std::size_t field) const
+{
+    const Attribute* const x = m_document ? m_document->findAttribute(QStringLiteral("X")) : nullptr;
+    const int axis = int(field % 3);
+    const bool degrees = x && x->unit == "deg" && axis < 2;
+    return QString::number((field < 3 ? box.min : box.max)[axis], 'f', degrees ? 7 : 3);
+}
+
 void VisibilityDock::fillBox(const WorldBounds& box)
 {
     if (box.empty()) return;
-    const Attribute* const x = m_document ? m_document->findAttribute(QStringLiteral("X")) : nullptr;
-    const bool degrees = x && x->unit == "deg";
-    for (int axis = 0; axis < 3; ++axis)
-        for (int side = 0; side < 2; ++side) {
-            QLineEdit& field = *m_fields[std::size_t(axis + 3 * side)];
-            const QString text = coordinateText(side == 0 ? box.min[axis] : box.max[axis], degrees && axis < 2);
-            if (!field.hasFocus() && field.text() != text) field.setText(text);
-        }
+    for (std::size_t field = 0; field < m_fields.size(); ++field) {
+        const QString text = faceText(box, field);
+        if (!m_fields[field]->hasFocus() && m_fields[field]->text() != text) m_fields[field]->setText(text);
+    }
 }
 
 void VisibilityDock::applyBox()
@@ -198,6 +203,35 @@ void VisibilityDock::applyBox()
     else if (fine)
         clip.box = box;
     m_settings.setClip(clip);
+}
+
+void VisibilityDock::nudge(std::size_t field, bool up)
+{
+    applyBox();  // what was typed
+    Clip clip = m_settings.display().clip;
+    if (!clip.box || !m_document) return;
+    const int axis = int(field % 3);
+    WorldBounds& box = *clip.box;
+    const WorldBounds& all = m_document->bounds();
+    const double extent = box.max[axis] > box.min[axis] ? box.max[axis] - box.min[axis]  //
+                                                        : all.max[axis] - all.min[axis];
+    const double step = (up ? extent : -extent) / 100;
+    if (field < 3)
+        box.min[axis] = std::min(box.min[axis] + step, box.max[axis]);
+    else
+        box.max[axis] = std::max(box.max[axis] + step, box.min[axis]);
+    m_settings.setClip(clip);
+    m_fields[field]->setText(faceText(box, field));
+}
+
+bool VisibilityDock::eventFilter(QObject* watched, QEvent* event)
+{
+    if (event->type() != QEvent::KeyPress) return QDockWidget::eventFilter(watched, event);
+    const int key = static_cast<QKeyEvent*>(event)->key();
+    const auto field = std::find(m_fields.begin(), m_fields.end(), watched);
+    if (field == m_fields.end() || (key != Qt::Key_Up && key != Qt::Key_Down)) return false;
+    nudge(std::size_t(field - m_fields.begin()), key == Qt::Key_Up);
+    return true;
 }
 
 std::optional<WorldBounds> VisibilityDock::boxOfView() const

@@ -31,11 +31,16 @@ public:
 
     void setDocument(Document* document);
 
+    bool eventFilter(QObject* watched, QEvent* event) override;
+
 private:
     void takeFilter();
     void takeClip();
     void applyBox();
+    /// Moves the face of a field along its axis by a hundredth of the box.
+    void nudge(std::size_t field, bool up);
     void fillBox(const WorldBounds& box);
+    QString faceText(const WorldBounds& box, std::size_t field) const;
     std::optional<WorldBounds> boxOfView() const;
     void cutHere();
 
