@@ -51,6 +51,18 @@ const Attribute* Document::findAttribute(const QString& name) const
     return nullptr;
 }
 
+QString Document::coordinateUnit() const
+{
+    const Attribute* const x = findAttribute(QStringLiteral("X"));
+    return x == nullptr ? QString() : toQString(x->unit);
+}
+
+QString Document::lengthUnit() const
+{
+    const QString unit = coordinateUnit();
+    return unit == QLatin1String("deg") ? QStringLiteral("m") : unit;
+}
+
 glm::dvec3 Document::viewStretch(const WorldBounds& bounds) const
 {
     const Attribute *const x = findAttribute(QStringLiteral("X")), *const z = findAttribute(QStringLiteral("Z"));

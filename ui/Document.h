@@ -37,7 +37,7 @@ struct OpenCloud {
     std::shared_ptr<History> history;
     /// Held while the history moves, and while "saved" is noted down: a save never marks an edit that it missed.
     std::mutex editGate;
-    std::uint64_t edits = 0;  ///< moves of the history so far; guarded by editGate
+    std::uint64_t edits = 0;   ///< moves of the history so far; guarded by editGate
     bool journalTold = false;  ///< that it is not kept; guarded by editGate
 };
 
@@ -82,6 +82,10 @@ public:
     /// Attributes at present; a copy, so that no lock is needed.
     const std::vector<Attribute>& attributes() const noexcept { return m_attributes; }
     const Attribute* findAttribute(const QString& name) const;
+    /// Of X and Y: "m", "ft" or "deg"; empty when not known.
+    QString coordinateUnit() const;
+    /// Of lengths as they are drawn and measured: metres where the coordinates are in degrees.
+    QString lengthUnit() const;
     /// Of cameras that look at this document within `bounds`: render::viewStretch().
     glm::dvec3 viewStretch(const WorldBounds& bounds) const;
     /// Null while not known.

@@ -448,9 +448,7 @@ void Viewport::placeOverlays()
 
 QString Viewport::viewUnit() const
 {
-    const Attribute* x = m_document ? m_document->findAttribute(QStringLiteral("X")) : nullptr;
-    if (!x) return {};
-    return x->unit == "deg" ? QStringLiteral("m") : toQString(x->unit);
+    return m_document ? m_document->lengthUnit() : QString();
 }
 
 }  // namespace punctum::ui

@@ -69,7 +69,7 @@ Json jsonOfSteps()
                                   {"max", p.max},
                                   {"optional", p.optional},
                                   {"choices", p.choices},
-                                  {"unit", p.unit}});
+                                  {"unit", p.inCoordinateUnits ? "coordinates" : ""}});
         all.push_back(
             {{"name", step->name()}, {"title", step->title()}, {"help", step->help()}, {"parameters", parameters}});
     }
@@ -86,7 +86,7 @@ std::string textOfSteps()
             key.resize(std::max<std::size_t>(key.size() + 2, 28), ' ');
             text += key + p.help;
             if (!p.choices.empty()) text += " One of " + joined(p.choices) + ".";
-            if (!p.unit.empty()) text += " Unit: " + p.unit + ".";
+            if (p.inCoordinateUnits) text += " In the units of the coordinates.";
             if (!p.preset.empty())
                 text += " Default: " + p.preset + ".";
             else

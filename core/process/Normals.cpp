@@ -15,9 +15,11 @@
 #include <cmath>
 #include <mutex>
 
-namespace punctum {
+namespace punctum
+{
 
-namespace {
+namespace
+{
 
 constexpr std::array<const char*, 3> kNames = {"NormalX", "NormalY", "NormalZ"};
 
@@ -98,7 +100,7 @@ std::vector<StepParameter> NormalsStep::parameters() const
     p[1].min = 1e-9;
     p[1].max = 1e9;
     p[1].optional = true;
-    p[1].unit = "m";
+    p[1].inCoordinateUnits = true;
     return p;
 }
 

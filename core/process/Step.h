@@ -10,22 +10,23 @@
 #include <string_view>
 #include <vector>
 
-namespace punctum {
+namespace punctum
+{
 
 class Progress;
 
 /// One parameter of a processing step, as the panel shows it and the command line names it.
 struct StepParameter {
     enum class Type { Integer, Real, AttributeName, ClassCode, Rule, Choice };
-    std::string key;          ///< "k"
-    std::string label;        ///< "Neighbors"
-    std::string help;         ///< one line
+    std::string key;    ///< "k"
+    std::string label;  ///< "Neighbors"
+    std::string help;   ///< one line
     Type type = Type::Real;
-    std::string preset;       ///< default value as text; empty: must be given, or means "not used" if optional
+    std::string preset;  ///< default value as text; empty: must be given, or means "not used" if optional
     double min = 0.0;
     double max = 0.0;
     bool optional = false;
-    std::string unit;
+    bool inCoordinateUnits = false;    ///< a length in the units of the coordinates
     std::vector<std::string> choices;  ///< of a Choice
 };
 
@@ -36,7 +37,8 @@ using StepValues = std::map<std::string, std::string, std::less<>>;
 /// Stateless. run() may be called from any thread; it holds cloud.mutex() shared while reading, does not change
 /// the cloud, reports progress, and stops within 100 ms when cancelled (throws Cancelled). Throws Error on values
 /// or attributes that do not fit.
-class Step {
+class Step
+{
 public:
     virtual ~Step() = default;
     virtual std::string name() const = 0;   ///< "normals": command line and files

@@ -119,6 +119,7 @@ void ProcessingDock::setDocument(Document* document)
     if (m_document) m_document->disconnect(this);
     m_document = document;
     if (document) connect(document, &Document::attributesChanged, this, &ProcessingDock::fillAttributes);
+    fillUnits();
     fillAttributes();
     fillClasses();
     m_result->clear();
@@ -149,19 +150,28 @@ void ProcessingDock::buildFields()
             field.widget = edit;
             connect(edit, &QLineEdit::returnPressed, this, &ProcessingDock::run);
         }
-        QString label = toQString(parameter.label);
-        if (!parameter.unit.empty()) label += QStringLiteral(" (%1)").arg(toQString(parameter.unit));
-        field.widget->setToolTip(toQString(parameter.help));
-        field.widget->setAccessibleName(label);
-        QLabel* const name = dimLabel(label);
-        name->setMinimumHeight(kFieldHeight);  // in line with the middle of its field
-        name->setToolTip(toQString(parameter.help));
-        m_form->addRow(name, field.widget);
+        field.name = dimLabel(toQString(parameter.label));
+        field.name->setMinimumHeight(kFieldHeight);  // in line with the middle of its field
+        for (QWidget* widget : std::initializer_list<QWidget*>{field.name, field.widget})
+            widget->setToolTip(toQString(parameter.help));
+        m_form->addRow(field.name, field.widget);
         field.parameter = std::move(parameter);
         m_fields.push_back(std::move(field));
     }
+    fillUnits();
     fillAttributes();
     fillClasses();
+}
+
+void ProcessingDock::fillUnits()
+{
+    const QString unit = m_document ? m_document->coordinateUnit() : QString();
+    for (const Field& field : m_fields) {
+        QString name = toQString(field.parameter.label);
+        if (field.parameter.inCoordinateUnits && !unit.isEmpty()) name += QStringLiteral(" (%1)").arg(unit);
+        field.name->setText(name);
+        field.widget->setAccessibleName(name);
+    }
 }
 
 void ProcessingDock::fillAttributes()

@@ -49,9 +49,11 @@ private:
     struct Field {
         StepParameter parameter;
         QWidget* widget = nullptr;
+        QLabel* name = nullptr;
     };
     const Step* step() const;
     void buildFields();
+    void fillUnits();
     void fillAttributes();
     void fillClasses();
     QString valueOf(const Field& field) const;

@@ -91,8 +91,7 @@ Measurement Measurements::measure(const Document& document, MeasureKind kind, st
     Measurement m;
     m.kind = kind;
     m.file = document.name().toStdString();
-    if (const Attribute* x = document.findAttribute(QStringLiteral("X")))
-        m.length = x->unit == "deg" ? "m" : x->unit;
+    m.length = document.lengthUnit().toStdString();
     m.quantities = quantitiesOf(kind, points, document.viewStretch(document.bounds()));
     m.points = std::move(points);
     return m;

@@ -201,6 +201,8 @@ void EditDock::takeState()
     for (QPushButton* button : m_neighbors) button->setEnabled(selected);
     for (QPushButton* button : {m_select, m_preview, m_apply}) button->setEnabled(ready);
     m_selectedOnly->setEnabled(selected);
+    const QString unit = m_document ? m_document->coordinateUnit() : QString();
+    m_distance->setSuffix(unit.isEmpty() ? QString() : QLatin1Char(' ') + unit);
 }
 
 QString EditDock::resultText() const
