@@ -109,6 +109,17 @@ void GlVertexArrayKind::destroy(GlId id) noexcept
     glDeleteVertexArrays(1, &id);
 }
 
+GlId GlQueryKind::create()
+{
+    GLuint id = 0;
+    glGenQueries(1, &id);
+    return id;
+}
+void GlQueryKind::destroy(GlId id) noexcept
+{
+    glDeleteQueries(1, &id);
+}
+
 GlId GlProgramKind::create()
 {
     return glCreateProgram();
@@ -285,6 +296,11 @@ GlInfo requireGl43()
                     std::to_string(info.major) + "." + std::to_string(info.minor) +
                     (version >= 43 ? " without the core profile" : "") + ". Use the CPU backend.");
     info.clipControl = version >= 45 || epoxy_has_gl_extension("GL_ARB_clip_control");
+    if (version >= 44 || epoxy_has_gl_extension("GL_ARB_query_buffer_object")) {
+        GLint bits = 0;
+        glGetQueryiv(GL_TIMESTAMP, GL_QUERY_COUNTER_BITS, &bits);
+        info.timesToBuffers = bits > 0;
+    }
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &info.maxTextureSize);
     glGetIntegerv(GL_MAX_INTEGER_SAMPLES, &info.maxIntegerSamples);
     GLint64 block = 0;

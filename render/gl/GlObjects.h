@@ -33,6 +33,10 @@ struct GlVertexArrayKind {
     static GlId create();
     static void destroy(GlId id) noexcept;
 };
+struct GlQueryKind {
+    static GlId create();
+    static void destroy(GlId id) noexcept;
+};
 struct GlProgramKind {
     static GlId create();
     static void destroy(GlId id) noexcept;
@@ -82,6 +86,7 @@ private:
 using GlTexture = GlHandle<GlTextureKind>;
 using GlFramebuffer = GlHandle<GlFramebufferKind>;
 using GlVertexArray = GlHandle<GlVertexArrayKind>;
+using GlQuery = GlHandle<GlQueryKind>;
 
 /// Memory of the device. Sizes and offsets in bytes; one thread, that of the context.
 class GlBuffer
@@ -182,6 +187,7 @@ struct GlInfo {
     std::string renderer;  ///< "llvmpipe (LLVM 15.0.6, 256 bits)"
     std::string driver;    ///< "4.5 (Core Profile) Mesa 22.3.6"
     bool clipControl = false;
+    bool timesToBuffers = false;  ///< what the device's clock shows can be written to buffers
     int maxTextureSize = 0;
     int maxIntegerSamples = 1;
     std::int64_t maxStorageBlock = 0;  ///< bytes

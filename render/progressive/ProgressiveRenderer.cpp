@@ -40,6 +40,13 @@ constexpr double kStreamAlone = 0.025;
 /// A frame always draws at least so many slots, whatever its time: it must come on.
 constexpr Slot kLeastRun = 65'536;
 
+/// What a device that keeps time is offered, as a multiple of what the last frames let expect: so that it decides,
+/// and not much more is brought to it than it draws.
+constexpr std::uint64_t kOffer = 4;
+/// The first of it, by which it judges the rest: a share, and at most so many slots.
+constexpr std::uint64_t kFirstShare = 32;
+constexpr std::uint64_t kMostFirst = 1'000'000;
+
 double now()
 {
     using namespace std::chrono;
@@ -62,6 +69,8 @@ struct ProgressiveRenderer::Entry {
     PointIndex filledAtSpacing = 0;  ///< ... so many points
 
     bool passDone() const noexcept { return drawn >= store->slotCount() || filledAtStart == 0; }
+    /// Of its slots, drawn in this pass.
+    double share() const noexcept { return double(drawn) / double(store->slotCount()); }
     bool complete() const noexcept { return passDone() && filledAtStart == store->filled(); }
 };
 
@@ -332,37 +341,98 @@ void ProgressiveRenderer::streamAttributes(double deadline)
     if (fresh && std::exchange(m_redrawWhenFresh, false)) m_viewChanged = true;
 }
 
-PointIndex ProgressiveRenderer::fill(double deadline)
+void ProgressiveRenderer::beginGrown() noexcept
 {
-    PointIndex total = 0;
+    for (const auto& entry : m_entries) {
+        if (!entry->passDone() || entry->filledAtStart == entry->store->filled()) continue;
+        entry->drawn = 0;
+        m_colors = {};
+        entry->filledAtStart = entry->store->filled();
+    }
+}
+
+bool ProgressiveRenderer::partial() const noexcept
+{
+    return std::any_of(m_entries.begin(), m_entries.end(),
+                       [](auto& e) { return e->drawn < e->store->slotCount(); });
+}
+
+void ProgressiveRenderer::fillTimed(double deadline)
+{
+    beginGrown();
+    // The cloud that is furthest behind goes first, so that all converge together.
+    std::vector<std::size_t> open;
+    for (std::size_t k = 0; k < m_entries.size(); ++k)
+        if (!m_entries[k]->passDone()) open.push_back(k);
+    std::stable_sort(open.begin(), open.end(),
+                     [&](std::size_t a, std::size_t b) { return m_entries[a]->share() < m_entries[b]->share(); });
+    const double seconds = std::max(0.0, deadline - m_clockStarted);
+    const std::uint64_t offer = kOffer * std::min<std::uint64_t>(m_cost.affordable(seconds), 0xFFFFFFFFu);
+    std::uint64_t left = offer;
+    for (const std::size_t k : open) {
+        const Entry& entry = *m_entries[k];
+        const Slot slots = entry.store->slotCount(), window = entry.store->order().windowSize();
+        Slot at = entry.cursor;
+        std::uint64_t undrawn = slots - entry.drawn;
+        const auto take = [&](std::uint64_t wish) {
+            wish = (wish + window - 1) / window * window;
+            const auto count = Slot(std::min<std::uint64_t>({wish, undrawn, slots - at}));
+            m_timedRuns.push_back({k, {at, at + count}, window});
+            at = at + count == slots ? 0 : at + count;
+            undrawn -= count;
+            left -= std::min<std::uint64_t>(left, count);
+        };
+        if (m_timedRuns.empty()) take(std::clamp<std::uint64_t>(offer / kFirstShare, kLeastRun, kMostFirst));
+        while (left > 0 && undrawn > 0) take(left);
+    }
+    if (!m_timedRuns.empty()) m_backend->drawTimed(m_scene, m_timedRuns, seconds);
+}
+
+void ProgressiveRenderer::countTimed()
+{
+    if (m_timedRuns.empty()) return;
+    const RasterBackend::Timed timed = m_backend->timed();
+    m_cost.observe(timed.drawn, timed.seconds);
+    m_fillDone = m_clockStarted + timed.done;
+    std::uint64_t left = timed.drawn;
+    for (const RasterBackend::Run& run : m_timedRuns) {
+        Entry& entry = *m_entries[run.layer];
+        const auto count = Slot(std::min<std::uint64_t>(run.range.size(), left));
+        if (count == 0) break;
+        entry.cursor = run.range.first + count == entry.store->slotCount() ? 0 : run.range.first + count;
+        entry.drawn += count;
+        m_filled += count;
+        left -= count;
+    }
+    m_timedRuns.clear();
+}
+
+void ProgressiveRenderer::fill(double deadline)
+{
+    if (m_pointsAFrame == 0 && m_backend->keepsTime()) return fillTimed(deadline);
     for (bool first = true;; first = false) {
+        beginGrown();
         // The cloud that is furthest behind goes next, so that all converge together.
         std::size_t next = m_entries.size();
         double least = 1.0;
         for (std::size_t k = 0; k < m_entries.size(); ++k) {
-            Entry& entry = *m_entries[k];
-            if (entry.passDone() && entry.filledAtStart != entry.store->filled()) {
-                entry.drawn = 0;  // more has arrived meanwhile: once round again
-                m_colors = {};
-                entry.filledAtStart = entry.store->filled();
-            }
+            const Entry& entry = *m_entries[k];
             if (entry.passDone()) continue;
-            const double share = double(entry.drawn) / double(entry.store->slotCount());
-            if (next == m_entries.size() || share < least) {
+            if (next == m_entries.size() || entry.share() < least) {
                 next = k;
-                least = share;
+                least = entry.share();
             }
         }
         const double started = now();
-        const bool spent = m_pointsAFrame > 0 ? total >= m_pointsAFrame : started >= deadline;
-        if (next == m_entries.size() || (!first && spent)) return total;
+        const bool spent = m_pointsAFrame > 0 ? m_filled >= m_pointsAFrame : started >= deadline;
+        if (next == m_entries.size() || (!first && spent)) return;
 
         Entry& entry = *m_entries[next];
         const Slot slots = entry.store->slotCount(), window = entry.store->order().windowSize();
         const auto affordable =
             std::min<std::uint64_t>(m_cost.affordable(std::max(0.0, deadline - started)), slots);
         std::uint64_t run =
-            m_pointsAFrame > 0 ? m_pointsAFrame - total : std::max<std::uint64_t>(affordable, kLeastRun);
+            m_pointsAFrame > 0 ? m_pointsAFrame - m_filled : std::max<std::uint64_t>(affordable, kLeastRun);
         run = (run + window - 1) / window * window;
         const Slot count = Slot(std::min<std::uint64_t>({run, slots - entry.drawn, slots - entry.cursor}));
         m_backend->draw(m_scene, next, {entry.cursor, entry.cursor + count});
@@ -370,7 +440,7 @@ PointIndex ProgressiveRenderer::fill(double deadline)
         m_cost.observe(count, now() - started);
         entry.cursor = entry.cursor + count == slots ? 0 : entry.cursor + count;
         entry.drawn += count;
-        total += count;
+        m_filled += count;
     }
 }
 
@@ -424,11 +494,15 @@ void ProgressiveRenderer::addColors(const ResolveSettings& settings, double dead
     }
 }
 
-void ProgressiveRenderer::resolveImage(const ResolveSettings& settings, bool fillHoles)
+void ProgressiveRenderer::resolveImage(const ResolveSettings& settings)
 {
-    const double started = now();
+    double started = now();
     m_backend->resolve(m_scene, settings, m_image);
-    const bool eyeDome = m_display.eyeDome > 0 && !m_part;
+    if (!m_timedRuns.empty()) {
+        countTimed();
+        started = std::max(started, m_fillDone);  // the device was still drawing
+    }
+    const bool eyeDome = m_display.eyeDome > 0 && !m_part, fillHoles = m_display.fillHoles && partial();
     if (fillHoles || eyeDome) m_backend->depths(m_depths);
     if (fillHoles) render::fillHoles(m_depths, m_image);
     if (eyeDome) {
@@ -479,6 +553,10 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
         report.share = 1.0;
         return report;
     }
+    m_filled = 0;
+    m_timedRuns.clear();
+    m_clockStarted = now();
+    if (m_backend->keepsTime()) m_backend->startClock();
     const bool viewChanged = m_targetChanged || m_layersChanged || m_viewChanged;
     if (viewChanged) {
         m_visibleOutdated = m_resolveNeeded = true;
@@ -497,13 +575,14 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
         std::any_of(m_entries.begin(), m_entries.end(), [](auto& e) { return e->store->stale(); });
     const double deadline = started + budget - m_resolveSeconds;
     // While an attribute streams, filling and streaming share what is left of the frame.
-    report.filled = fill(streaming ? now() + (deadline - now()) / 2 : deadline);
-    if (report.filled > 0) m_visibleOutdated = m_resolveNeeded = true;
+    fill(streaming ? now() + (deadline - now()) / 2 : deadline);
+    const bool filling = m_filled > 0 || !m_timedRuns.empty();
+    if (filling) m_visibleOutdated = m_resolveNeeded = true;
     const bool refreshed = m_visibleOutdated;
     refreshVisible();
     if (streaming) {
         // A still picture in its new colors is shown first.
-        const bool alone = report.filled == 0 && !viewChanged;
+        const bool alone = !filling && !viewChanged;
         if (!alone)
             streamAttributes(std::max(deadline, now() + kStreamSeconds));
         else if (!refreshed)
@@ -517,10 +596,9 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
     if (averaging() && std::all_of(m_entries.begin(), m_entries.end(),
                                    [](auto& e) { return e->complete() && !e->store->stale(); }))
         addColors(settings, deadline);
-    const bool partial =
-        std::any_of(m_entries.begin(), m_entries.end(), [](auto& e) { return e->drawn < e->store->slotCount(); });
     // While all that is seen is up to date and the rest streams, the picture stays as it is.
-    if (m_resolveNeeded) resolveImage(settings, m_display.fillHoles && partial);
+    if (m_resolveNeeded) resolveImage(settings);
+    report.filled = m_filled;
 
     std::uint64_t drawn = 0, slots = 0;
     for (const auto& entry : m_entries) {

@@ -108,12 +108,19 @@ private:
     void refreshVisible();
     void streamAttributes(double deadline);
     PointStyle styleOf(Entry& entry) const;
-    PointIndex fill(double deadline);
+    /// Draws further slots until then.
+    void fill(double deadline);
+    /// The same by a device that keeps the time; countTimed() tells afterwards what it came to.
+    void fillTimed(double deadline);
+    void countTimed();
+    /// Clouds that are all drawn, but have got more points meanwhile, begin once more.
+    void beginGrown() noexcept;
+    bool partial() const noexcept;
     ResolveSettings colorSettings() const;
     bool averaging() const noexcept { return m_display.averaged && m_backend->averages(); }
     /// Once all points are drawn: goes on adding colors, from the start when they have become others.
     void addColors(const ResolveSettings& settings, double deadline);
-    void resolveImage(const ResolveSettings& settings, bool fillHoles = false);
+    void resolveImage(const ResolveSettings& settings);
 
     std::unique_ptr<RasterBackend> m_backend;
     std::vector<std::unique_ptr<Entry>> m_entries;
@@ -130,10 +137,14 @@ private:
     std::vector<PointId> m_visible;
     std::vector<float> m_depths;
     PointIndex m_pointsAFrame = 0;
-    double m_resolveSeconds = 0;  ///< what making the picture costs, learnt
-    bool m_targetChanged = true;  ///< size or samples: a new, empty buffer is needed
-    bool m_layersChanged = true;  ///< ids have new meanings: the buffer must be emptied
-    bool m_viewChanged = true;    ///< camera, point size, hidden classes: what is visible must be seen anew
+    PointIndex m_filled = 0;                      ///< slots drawn in this frame
+    std::vector<RasterBackend::Run> m_timedRuns;  ///< that the backend draws as many of as it has time for
+    double m_clockStarted = 0;                    ///< when that time began
+    double m_fillDone = 0;                        ///< when the backend was done with them
+    double m_resolveSeconds = 0;                  ///< what making the picture costs, learnt
+    bool m_targetChanged = true;                  ///< size or samples: a new, empty buffer is needed
+    bool m_layersChanged = true;                  ///< ids have new meanings: the buffer must be emptied
+    bool m_viewChanged = true;  ///< camera, point size, hidden classes: what is visible must be seen anew
     bool m_resolveNeeded = true;
     bool m_rangeNeeded = true;
     bool m_visibleOutdated = true;   ///< words of visible points may not be those of the present values

@@ -272,6 +272,44 @@ void GlBackendChecks::convergedEqualsBruteForce()
     QCOMPARE(differing(view.renderer.image(), expected), 0);
 }
 
+// How much a frame draws is decided by the device: nothing but the first run where there is no time, all that is
+// offered where there is enough, and the picture comes to the same.
+void GlBackendChecks::deviceKeepsTheBudget()
+{
+    const auto cloud = cloudNamed("synthetic");
+    const auto store = filledStore(cloud), other = filledStore(makeCloud(150'000));
+    if (!gl()->keepsTime()) QSKIP("This driver does not write times to buffers.");
+    View view(gl({.chunkSlots = PointStore::kBlockSlots}), {store, other}, cameraFor(*cloud), {});
+    const PointIndex all = store->slotCount() + other->slotCount();
+
+    const FrameReport least = view.renderer.renderFrame(0.0);
+    QVERIFY2(least.filled > 0 && least.filled < all / 4, qPrintable(QString::number(least.filled)));
+    for (int k = 0; k < 3; ++k) {  // while that is so, frame by frame
+        const FrameReport next = view.renderer.renderFrame(0.0);
+        QVERIFY(next.filled > 0 && next.filled < all / 4);
+    }
+    for (int k = 0; k < 1000 && !view.renderer.converged(); ++k) view.renderer.renderFrame(10.0);
+    QVERIFY(view.renderer.converged());
+    const Image converged = view.renderer.image();
+    QVERIFY(share(converged, view) <= m_tolerance.converged);
+
+    // With time for all of it, one frame does it.
+    Camera camera = view.renderer.camera();
+    camera.orbit(0.3, 0.0);
+    view.renderer.setCamera(camera);
+    const FrameReport whole = view.renderer.renderFrame(10.0);
+    QCOMPARE(whole.filled, all);
+    QVERIFY(whole.converged);
+    QVERIFY(share(view.renderer.image(), view) <= m_tolerance.converged);
+
+    // A number of points is kept by the processor.
+    camera.orbit(0.3, 0.0);
+    view.renderer.setCamera(camera);
+    view.renderer.setPointsAFrame(100'000);
+    const FrameReport fixed = view.renderer.renderFrame(10.0);
+    QVERIFY(fixed.filled >= 100'000 && fixed.filled < 110'000);
+}
+
 void GlBackendChecks::movingKeepsThePicture()
 {
     const auto cloud = makeCloud(1'000'000);

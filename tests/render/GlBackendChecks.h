@@ -43,6 +43,7 @@ private slots:
     void depthsKeepTheirDigits();
     void convergedEqualsBruteForce_data();
     void convergedEqualsBruteForce();
+    void deviceKeepsTheBudget();
     void movingKeepsThePicture();
     void chunksMakeNoDifference();
     void severalCloudsComeAndGo();

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <utility>
 
 namespace punctum::render
@@ -22,6 +23,9 @@ using Part = GlPointCopy::Part;
 
 /// Entries of one run of scatter.comp: 48 MiB.
 constexpr std::size_t kScatterEntries = std::size_t(1) << 22;
+/// drawTimed() brings points to the device in steps of so many slots, for at most this share of its time.
+constexpr Slot kUploadSlots = PointStore::kBlockSlots;
+constexpr double kUploadShare = 0.5;
 /// Chunks of words that one run of resolve.comp sees.
 constexpr std::size_t kResolveChunks = 4;
 
@@ -72,7 +76,7 @@ std::array<std::uint32_t, 8> shownClasses(const FrameScene& scene) noexcept
     return shown;
 }
 
-GlBackend::GlBackend(const GlLimits& limits, std::uint32_t groupPoints)
+GlBackend::GlBackend(const GlLimits& limits, const GroupPoints& groupPoints)
     : m_info(requireGl43()), m_limits(limits), m_groupPoints(groupPoints)
 {
     constexpr Slot kBlock = PointStore::kBlockSlots;
@@ -166,15 +170,75 @@ void GlBackend::draw(const FrameScene& scene, std::size_t layer, SlotRange slots
     const GlStateGuard guard;
     updateCopies(scene);
     const Layer& l = scene.layers[layer];
-    GlPointCopy& copy = copyOf(l);
     slots.last = std::min(slots.last, l.store->slotCount());
     if (slots.first >= slots.last) return;
-    // Words before positions, as a point that was not there before shall not come with an older word.
-    copy.update(*l.store, Part::Words, slots);
-    if (scene.filters()) copy.update(*l.store, Part::Groups, slots);
-    copy.update(*l.store, Part::Positions, slots);
+    updateFor(scene, l, slots);
     drawSlots(scene, l, slots);
     checkGlErrors("drawing points");
+}
+
+void GlBackend::updateFor(const FrameScene& scene, const Layer& layer, SlotRange slots)
+{
+    GlPointCopy& copy = copyOf(layer);
+    // Words before positions, as a point that was not there before shall not come with an older word.
+    copy.update(*layer.store, Part::Words, slots);
+    if (scene.filters()) copy.update(*layer.store, Part::Groups, slots);
+    copy.update(*layer.store, Part::Positions, slots);
+}
+
+void GlBackend::startClock()
+{
+    const GlStateGuard guard;
+    m_budget.mark(GlBudget::Moment::Start);
+}
+
+void GlBackend::drawTimed(const FrameScene& scene, std::span<const Run> runs, double seconds)
+{
+    if (m_visibility->empty() || runs.empty()) return;
+    using namespace std::chrono;
+    const auto enough = steady_clock::now() + duration<double>(std::clamp(seconds, 0.0, 1.0) * kUploadShare);
+    const GlStateGuard guard;
+    updateCopies(scene);
+    std::vector<ChunkPlace> places;
+    std::vector<GlBudget::Piece> pieces;
+    for (std::size_t i = 0; i < runs.size() && (i < 2 || steady_clock::now() < enough); ++i) {
+        const Run& run = runs[i];
+        const Layer& layer = scene.layers[run.layer];
+        const GlPointCopy& copy = copyOf(layer);
+        // By steps, until it has taken long enough; where nothing has to be brought over, that is no time.
+        Slot end = run.range.first;
+        do {
+            const std::uint64_t step = (kUploadSlots + run.step - 1) / run.step * std::uint64_t(run.step);
+            const Slot next = Slot(std::min<std::uint64_t>(end + step, run.range.last));
+            updateFor(scene, layer, {end, next});
+            end = next;
+        } while (end < run.range.last && (i == 0 || steady_clock::now() < enough));
+        for (Slot at = run.range.first; at < end && i > 0;) {
+            const std::size_t chunk = at / copy.chunkSlots();
+            const Slot first = copy.chunks()[chunk].first;
+            const Slot last = std::min(end, first + copy.chunks()[chunk].slots);
+            places.push_back({layer.firstId + first, run.layer, chunk});
+            pieces.push_back({at - first, last - at, at - run.range.first, end - run.range.first, run.step});
+            at = last;
+        }
+        if (end < run.range.last) break;
+    }
+    m_budget.mark(GlBudget::Moment::FirstBegins);
+    drawSlots(scene, scene.layers[runs.front().layer], runs.front().range);
+    m_budget.mark(GlBudget::Moment::FirstDone);
+    const GlVisibility::Band& decided =
+        m_budget.decide(pieces, runs.front().range.size(), m_groupPoints.run, seconds);
+    if (!pieces.empty()) drawCommands(scene, places, {&decided, 1});
+    m_budget.mark(GlBudget::Moment::Done);
+    checkGlErrors("drawing points");
+}
+
+RasterBackend::Timed GlBackend::timed()
+{
+    const GlStateGuard guard;
+    const Timed timed = m_budget.result();
+    checkGlErrors("reading the clock");
+    return timed;
 }
 
 void GlBackend::reproject(const FrameScene& scene)
@@ -192,9 +256,9 @@ void GlBackend::reproject(const FrameScene& scene)
     std::vector<ChunkPlace> all = places(scene);
     std::vector<PointId> firstIds;
     for (const ChunkPlace& place : all) firstIds.push_back(place.firstId);
-    const auto bands = m_visibility->collect(firstIds, m_groupPoints);
+    const auto bands = m_visibility->collect(firstIds, m_groupPoints.list);
     m_visibility->clear();
-    drawLists(scene, all, bands);
+    drawCommands(scene, all, bands);
     checkGlErrors("drawing points");
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "render/raster/Backend.h"
+#include "render/raster/gl/GlBudget.h"
 #include "render/raster/gl/GlPointCopy.h"
 #include "render/raster/gl/GlVisibility.h"
 
@@ -37,6 +38,10 @@ public:
     void reproject(const FrameScene& scene) final;
     void draw(const FrameScene& scene, std::size_t layer, SlotRange slots) final;
     void finish() final { GlSync::insert().wait(); }
+    bool keepsTime() const noexcept final { return m_info.timesToBuffers; }
+    void startClock() final;
+    void drawTimed(const FrameScene& scene, std::span<const Run> runs, double seconds) final;
+    Timed timed() final;
     void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) final;
     void depths(std::vector<float>& out) final;
     std::optional<Hit> pick(int x, int y, int radius) final;
@@ -50,8 +55,12 @@ protected:
         std::size_t chunk;
     };
 
-    /// `groupPoints`: of a work group that draws a list (GlVisibility::collect).
-    GlBackend(const GlLimits& limits, std::uint32_t groupPoints);
+    /// Points of a work group, where there are work groups.
+    struct GroupPoints {
+        std::uint32_t list = 1;  ///< that draws a list (GlVisibility::collect)
+        std::uint32_t run = 1;   ///< that draws slots
+    };
+    GlBackend(const GlLimits& limits, const GroupPoints& groupPoints);
     /// To be called by the derived constructor.
     void setVisibility(std::unique_ptr<GlVisibility> visibility) { m_visibility = std::move(visibility); }
     const GlInfo& info() const noexcept { return m_info; }
@@ -62,9 +71,10 @@ protected:
     virtual void targetChanged() {}
     /// Draws a run of slots, whose positions (and classes, when points are filtered) have come over.
     virtual void drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots) = 0;
-    /// Draws the points that collect() listed for these chunks.
-    virtual void drawLists(const FrameScene& scene, std::span<const ChunkPlace> places,
-                           std::span<const GlVisibility::Band> bands) = 0;
+    /// Draws by the commands of each band, one for each of these chunks: points that collect() listed; without a
+    /// list, slots from Command::firstIndex on.
+    virtual void drawCommands(const FrameScene& scene, std::span<const ChunkPlace> places,
+                              std::span<const GlVisibility::Band> bands) = 0;
 
 private:
     /// Copies of the scene's stores, and of no others; makes them anew where a store is not what it was.
@@ -73,12 +83,15 @@ private:
     std::vector<ChunkPlace> places(const FrameScene& scene) const;
     /// Brings words (or groups) of visible points up to date, and some of the others.
     void updateVisible(const FrameScene& scene, GlPointCopy::Part part);
+    /// Brings over what drawing these slots needs.
+    void updateFor(const FrameScene& scene, const Layer& layer, SlotRange slots);
     void scatter(const FrameScene& scene, const std::vector<bool>& layers);
     void runResolve(const FrameScene& scene, const ResolveSettings& settings);
 
     GlInfo m_info;
     GlLimits m_limits;
-    std::uint32_t m_groupPoints;
+    GroupPoints m_groupPoints;
+    GlBudget m_budget;
     std::unique_ptr<GlVisibility> m_visibility;
     std::unordered_map<const PointStore*, GlPointCopy> m_copies;
     std::array<GlProgram, 2> m_scatter;  ///< words; words and groups

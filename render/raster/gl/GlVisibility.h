@@ -33,7 +33,8 @@ public:
         std::int32_t baseVertex;
         std::uint32_t baseInstance;
         std::uint32_t groups[3];
-        std::uint32_t written, unused[3];
+        std::uint32_t written;            ///< used by collect.comp
+        std::uint32_t offset, run, step;  ///< used by budget.comp: GlBudget::Piece
     };
     static_assert(sizeof(Command) == 48 && offsetof(Command, groups) == 20);
 
@@ -42,7 +43,7 @@ public:
         int firstRow = 0;
         int lastRow = 0;    ///< excluded
         GlBuffer commands;  ///< a Command a chunk
-        GlBuffer list;      ///< uint32: id - first id of the chunk
+        GlBuffer list;      ///< uint32: id - first id of the chunk; empty: the slots of the commands as they lie
     };
     std::span<const Band> bands() const noexcept { return m_bands; }
 

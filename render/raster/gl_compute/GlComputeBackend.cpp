@@ -25,8 +25,9 @@ constexpr std::uint32_t kListPoints = 8 * kGroupSize;
 
 /// What a program is made for.
 struct Variant {
-    int pass = 0;  ///< see points.comp.glsl
-    bool list = false;
+    int pass = 0;           ///< see points.comp.glsl
+    bool commands = false;  ///< which points is said by a command on the device ...
+    bool list = false;      ///< ... and by a list
     bool filter = false;
     bool pixels = false;
     int samples = 1;
@@ -45,6 +46,7 @@ GlProgram makeProgram(const Variant& v)
     define("SAMPLES", std::to_string(v.samples));
     define("GROUP_SIZE", std::to_string(kGroupSize));
     define("GROUP_POINTS", std::to_string(v.list ? kListPoints : kRunPoints));
+    if (v.commands) define("COMMANDS", "");
     if (v.list) define("LIST", "");
     if (v.filter) define("FILTER", "");
     if (v.pixels) define("PIXELS", "");
@@ -78,7 +80,7 @@ class GlComputeBackend final : public GlBackend
 {
 public:
     explicit GlComputeBackend(const GlComputeOptions& options)
-        : GlBackend(options.limits, kListPoints), m_wide(options.allowWide && hasWideAtomics())
+        : GlBackend(options.limits, {kListPoints, kRunPoints}), m_wide(options.allowWide && hasWideAtomics())
     {
         const auto fits = std::size_t(info().maxStorageBlock) / (m_wide ? 8 : 4);
         auto visibility = std::make_unique<GlBufferVisibility>(std::min(options.limits.bandSamples, fits), m_wide);
@@ -95,15 +97,15 @@ public:
 
 protected:
     void drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots) override;
-    void drawLists(const FrameScene& scene, std::span<const ChunkPlace> places,
-                   std::span<const GlVisibility::Band> bands) override;
+    void drawCommands(const FrameScene& scene, std::span<const ChunkPlace> places,
+                      std::span<const GlVisibility::Band> bands) override;
 
 private:
     /// Calls f(band) for each pass and band, with the band bound.
     template <class F>
     void forEachPass(F&& f);
     /// The program for this pass, in use, with everything set but the points.
-    void use(int pass, bool list, const FrameScene& scene, const Layer& layer, const GlVisibility::Band& band);
+    void use(Variant variant, const FrameScene& scene, const Layer& layer, const GlVisibility::Band& band);
     void bindChunk(const FrameScene& scene, const Layer& layer, const GlPointCopy::Chunk& chunk);
 
     bool m_wide;
@@ -124,20 +126,21 @@ void GlComputeBackend::forEachPass(F&& f)
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
-void GlComputeBackend::use(int pass, bool list, const FrameScene& scene, const Layer& layer,
+void GlComputeBackend::use(Variant variant, const FrameScene& scene, const Layer& layer,
                            const GlVisibility::Band& band)
 {
     const LayerProjection& p = layer.projection;
     const TargetSize size = target();
-    const bool pixels = p.singlePixels(size.samples);
-    const Variant variant{pass, list, scene.filters(), pixels, size.samples};
+    variant.filter = scene.filters();
+    variant.pixels = p.singlePixels(size.samples);
+    variant.samples = size.samples;
     GlProgram& program = m_programs[variant];
     if (!program) program = makeProgram(variant);
     program.use();
     useProjection(p);
     useClip(layer.clip);
     usePointSize(p, 1, std::numeric_limits<int>::max());
-    const float margin = pixels ? 0.0f : p.margin();
+    const float margin = variant.pixels ? 0.0f : p.margin();
     glUniform4f(7, -margin, float(size.width) + margin, -margin, float(size.height) + margin);
     glUniform4i(16, band.firstRow, band.lastRow, size.width, 0);
     if (scene.filters()) glUniform4uiv(14, 2, shownClasses(scene).data());
@@ -154,7 +157,7 @@ void GlComputeBackend::drawSlots(const FrameScene& scene, const Layer& layer, Sl
 {
     const GlPointCopy& copy = copyOf(layer);
     forEachPass([&](int pass, const GlVisibility::Band& band) {
-        use(pass, false, scene, layer, band);
+        use({.pass = pass}, scene, layer, band);
         for (Slot at = slots.first; at < slots.last;) {
             const GlPointCopy::Chunk& chunk = copy.chunks()[at / copy.chunkSlots()];
             const Slot end = std::min(slots.last, chunk.first + chunk.slots);
@@ -166,8 +169,8 @@ void GlComputeBackend::drawSlots(const FrameScene& scene, const Layer& layer, Sl
     });
 }
 
-void GlComputeBackend::drawLists(const FrameScene& scene, std::span<const ChunkPlace> places,
-                                 std::span<const GlVisibility::Band> bands)
+void GlComputeBackend::drawCommands(const FrameScene& scene, std::span<const ChunkPlace> places,
+                                    std::span<const GlVisibility::Band> bands)
 {
     forEachPass([&](int pass, const GlVisibility::Band& target) {
         std::size_t layer = scene.layers.size();
@@ -175,12 +178,13 @@ void GlComputeBackend::drawLists(const FrameScene& scene, std::span<const ChunkP
             const Layer& l = scene.layers[places[i].layer];
             const GlPointCopy::Chunk& chunk = copyOf(l).chunks()[places[i].chunk];
             if (!chunk.positions) continue;
-            if (layer != places[i].layer) use(pass, true, scene, l, target);
+            if (layer != places[i].layer)
+                use({.pass = pass, .commands = true, .list = bool(bands.front().list)}, scene, l, target);
             layer = places[i].layer;
             bindChunk(scene, l, chunk);
             glUniform1ui(12, GLuint(i));
             for (const GlVisibility::Band& list : bands) {
-                glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, list.list.id());
+                if (list.list) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, list.list.id());
                 glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, list.commands.id());
                 glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, list.commands.id());
                 glDispatchComputeIndirect(

@@ -34,8 +34,8 @@ public:
 protected:
     void targetChanged() override;
     void drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots) override;
-    void drawLists(const FrameScene& scene, std::span<const ChunkPlace> places,
-                   std::span<const GlVisibility::Band> bands) override;
+    void drawCommands(const FrameScene& scene, std::span<const ChunkPlace> places,
+                      std::span<const GlVisibility::Band> bands) override;
 
 private:
     void beginDrawing(const FrameScene& scene);
@@ -49,7 +49,7 @@ private:
     float m_margin = 0, m_perPixel = 0;  ///< of the viewport, see points.vert
 };
 
-GlPointsBackend::GlPointsBackend(const GlLimits& limits) : GlBackend(limits, 1)
+GlPointsBackend::GlPointsBackend(const GlLimits& limits) : GlBackend(limits, {})
 {
     auto visibility = std::make_unique<GlTextureVisibility>(limits.bandSamples);
     m_target = visibility.get();
@@ -152,8 +152,8 @@ void GlPointsBackend::drawSlots(const FrameScene& scene, const Layer& layer, Slo
     }
 }
 
-void GlPointsBackend::drawLists(const FrameScene& scene, std::span<const ChunkPlace> places,
-                                std::span<const GlVisibility::Band> bands)
+void GlPointsBackend::drawCommands(const FrameScene& scene, std::span<const ChunkPlace> places,
+                                   std::span<const GlVisibility::Band> bands)
 {
     beginDrawing(scene);
     std::size_t layer = scene.layers.size();
@@ -166,10 +166,14 @@ void GlPointsBackend::drawLists(const FrameScene& scene, std::span<const ChunkPl
         glUniform1ui(11, l.firstId + chunk.first);
         glBindVertexArray(chunk.points.id());
         for (const GlVisibility::Band& band : bands) {
-            glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, band.list.id());
             glBindBuffer(GL_DRAW_INDIRECT_BUFFER, band.commands.id());
-            glDrawElementsIndirect(GL_POINTS, GL_UNSIGNED_INT,
-                                   reinterpret_cast<const void*>(i * sizeof(GlVisibility::Command)));
+            const auto* const command = reinterpret_cast<const void*>(i * sizeof(GlVisibility::Command));
+            if (!band.list) {
+                glDrawArraysIndirect(GL_POINTS, command);  // reads baseVertex, which is 0, as the base instance
+                continue;
+            }
+            glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, band.list.id());
+            glDrawElementsIndirect(GL_POINTS, GL_UNSIGNED_INT, command);
         }
         glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, 0);
     }

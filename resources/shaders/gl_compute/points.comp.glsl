@@ -15,6 +15,8 @@ layout(std430, binding = 1) readonly buffer Groups { uint groups[]; };  // two t
 #endif
 #ifdef LIST
 layout(std430, binding = 2) readonly buffer List { uint list[]; };  // slots in the chunk
+#endif
+#ifdef COMMANDS
 layout(std430, binding = 3) readonly buffer Commands { Command commands[]; };
 layout(location = 12) uniform uint chunk;
 #else
@@ -82,7 +84,7 @@ void draw(uint slot)
 
 void main()
 {
-#ifdef LIST
+#ifdef COMMANDS
     const uint first = commands[chunk].firstIndex, last = first + commands[chunk].count;
 #else
     const uint first = slots.x, last = slots.y;
