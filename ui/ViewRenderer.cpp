@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <shared_mutex>
 
 namespace punctum::ui
@@ -25,6 +26,8 @@ namespace
 constexpr std::chrono::milliseconds kLoadingPause(60);
 /// Nobody waits for a picture: time to measure what draws fastest.
 constexpr std::chrono::seconds kQuiet(3);
+
+using StoreChange = render::ProgressiveRenderer::StoreChange;
 
 QString pickedValue(const Attribute& attribute, PointIndex index)
 {
@@ -61,61 +64,133 @@ struct ViewRenderer::Pool {
     }
 };
 
+/// One view, as the render thread knows it.
+struct ViewRenderer::Picture {
+    struct Capture {
+        bool transparent = false;
+        CaptureDone done;
+    };
+    struct Snapshot {
+        std::shared_ptr<const PointCloud> cloud;
+        std::function<void(std::shared_ptr<const ViewSnapshot>)> done;
+    };
+
+    ViewRenderer* view = nullptr;
+    std::unique_ptr<render::ProgressiveRenderer> renderer;  ///< null while the view is off
+    std::vector<Capture> captures;
+    std::vector<Snapshot> snapshots;
+    Wish known;           ///< the newest of each
+    bool dirty = false;   ///< something changed what is to be seen
+    bool broken = false;  ///< the backend failed; wait for a change
+    std::uint64_t frames = 0;
+
+    void apply(const Wish& wish)
+    {
+        if (wish.size) renderer->setSize(wish.size->first, wish.size->second);
+        if (wish.camera) renderer->setCamera(*wish.camera);
+        if (wish.display) renderer->setDisplay(*wish.display);
+        dirty = true;
+    }
+    bool finished() const { return broken || !renderer || (!dirty && renderer->converged()); }
+    void refuse()
+    {
+        for (const Snapshot& wanted : std::exchange(snapshots, {})) wanted.done(nullptr);
+        for (const Capture& wanted : std::exchange(captures, {})) wanted.done(nullptr);
+    }
+};
+
 /// What only the render thread touches.
 struct ViewRenderer::Thread {
     struct Cloud {
         std::shared_ptr<render::PointStore> store;
         bool loading = true;
     };
-    struct Capture {
-        bool transparent = false;
-        CaptureDone done;
-    };
 
-    render::EglContext context;  // before renderer: its backend needs the context to the end; empty on the CPU
-    std::unique_ptr<render::ProgressiveRenderer> renderer;
+    render::EglContext
+        context;  // before the pictures: the first one's backend needs it to the end; empty on the CPU
+    std::vector<std::unique_ptr<Picture>> pictures;  ///< the first view's first
     render::BackendKind kind = render::BackendKind::Cpu;
     FastestBackend fastest;
     std::optional<render::BackendKind> chosen;              ///< by the user; none: the fastest
     render::BackendKind wanted = render::BackendKind::Cpu;  ///< what applyChoice() asked for; `kind` draws
     bool measured = false;                                  ///< `fastest` is known to be of this machine
-    std::vector<Cloud> clouds;                              ///< in the renderer's order
-    struct Snapshot {
-        std::shared_ptr<const PointCloud> cloud;
-        std::function<void(std::shared_ptr<const ViewSnapshot>)> done;
-    };
-    std::vector<Capture> captures;
-    std::vector<Snapshot> snapshots;
-    double budget = 0.0166;  ///< s: sixty pictures a second
-    bool dirty = false;      ///< a command changed what is to be seen
-    bool broken = false;     ///< the backend failed; wait for a command
-    std::uint64_t frames = 0;
+    std::vector<Cloud> clouds;                              ///< in the renderers' order
+    double budget = 0.0166;                                 ///< s: sixty pictures a second
 
+    Picture& first() { return *pictures.front(); }
     bool loading() const
     {
         return std::any_of(clouds.begin(), clouds.end(), [](const Cloud& c) { return c.loading; });
     }
+    /// Calls change(renderer) for all that draw, and has their pictures made anew.
+    template <typename Change>
+    void forAll(Change change)
+    {
+        for (const auto& picture : pictures) {
+            if (!picture->renderer) continue;
+            change(*picture->renderer);
+            picture->dirty = true;
+        }
+    }
+    /// Lets the first renderer change the stores, and tells the others.
+    template <typename Change>
+    void changeStores(render::ProgressiveRenderer::StoreChange what, Change change)
+    {
+        change(*first().renderer);
+        forAll([&](render::ProgressiveRenderer& renderer) {
+            if (&renderer != first().renderer.get()) renderer.storesChanged(what);
+        });
+    }
     ~Thread()
     {
-        for (Capture& capture : captures) capture.done(nullptr);
+        for (const auto& picture : pictures) picture->refuse();
     }
 };
 
 ViewRenderer::ViewRenderer(std::optional<render::BackendKind> backend, FastestBackend fastest, QObject* parent)
     : QObject(parent),
+      m_first(*this),
       m_pool(std::make_shared<Pool>()),
+      m_views{this},
       m_thread([this, backend, fastest = std::move(fastest)] { run(backend, fastest); })
 {
 }
 
+ViewRenderer::ViewRenderer(ViewRenderer& first, QObject* parent)
+    : QObject(parent), m_first(first), m_pool(std::make_shared<Pool>()), m_on(false)
+{
+    const std::lock_guard lock(m_first.m_mutex);
+    m_first.m_views.push_back(this);
+    m_first.m_commands.push_back([this](Thread& thread) {
+        thread.pictures.push_back(std::make_unique<Picture>());
+        thread.pictures.back()->view = this;
+    });
+}
+
 ViewRenderer::~ViewRenderer()
 {
-    {
-        const std::lock_guard lock(m_mutex);
-        m_pending.stop = true;
+    if (&m_first == this) {
+        {
+            const std::lock_guard lock(m_mutex);
+            m_stop = true;
+        }
+        m_wake.notify_one();
+        m_thread.join();
+        return;
     }
-    m_wake.notify_one();
-    m_thread.join();
+    std::promise<void> forgotten;
+    {
+        const std::lock_guard lock(m_first.m_mutex);
+        std::erase(m_first.m_views, this);
+    }
+    post([this, &forgotten](Thread& thread) {
+        const auto own = std::find_if(thread.pictures.begin(), thread.pictures.end(),
+                                      [this](const auto& picture) { return picture->view == this; });
+        (*own)->refuse();
+        thread.pictures.erase(own);
+        forgotten.set_value();
+    });
+    forgotten.get_future().wait();
 }
 
 // -- the GUI thread's side
@@ -123,37 +198,61 @@ ViewRenderer::~ViewRenderer()
 void ViewRenderer::post(Command command)
 {
     {
-        const std::lock_guard lock(m_mutex);
-        m_pending.commands.push_back(std::move(command));
+        const std::lock_guard lock(m_first.m_mutex);
+        m_first.m_commands.push_back(std::move(command));
     }
-    m_wake.notify_one();
+    m_first.m_wake.notify_one();
+}
+
+template <typename Change>
+void ViewRenderer::wish(Change change)
+{
+    {
+        const std::lock_guard lock(m_first.m_mutex);
+        change(m_wish);
+    }
+    m_first.m_wake.notify_one();
+}
+
+void ViewRenderer::setOn(bool on)
+{
+    {
+        const std::lock_guard lock(m_first.m_mutex);
+        if (m_on == on) return;
+        m_on = on;
+        if (!on) m_frame = nullptr;
+    }
+    post([this, on](Thread& thread) {
+        Picture& picture = pictureOf(thread);
+        if (!on) {
+            picture.refuse();
+            picture.renderer = nullptr;
+            return;
+        }
+        picture.renderer =
+            std::make_unique<render::ProgressiveRenderer>(render::makeBackend(render::BackendKind::Cpu));
+        picture.renderer->setPointsAFrame(thread.first().renderer->pointsAFrame());
+        for (const Thread::Cloud& cloud : thread.clouds) {
+            picture.renderer->addCloud(cloud.store);
+            if (!cloud.loading) picture.renderer->loadingEnded(cloud.store->cloud(), cloud.store->bounds());
+        }
+        picture.apply(picture.known);
+    });
 }
 
 void ViewRenderer::setSize(int widthPx, int heightPx)
 {
-    {
-        const std::lock_guard lock(m_mutex);
-        m_pending.size = {widthPx, heightPx};
-    }
-    m_wake.notify_one();
+    wish([&](Wish& wish) { wish.size = {widthPx, heightPx}; });
 }
 
 void ViewRenderer::setCamera(const render::Camera& camera)
 {
-    {
-        const std::lock_guard lock(m_mutex);
-        m_pending.camera = camera;
-    }
-    m_wake.notify_one();
+    wish([&](Wish& wish) { wish.camera = camera; });
 }
 
 void ViewRenderer::setDisplay(const render::DisplaySettings& display)
 {
-    {
-        const std::lock_guard lock(m_mutex);
-        m_pending.display = display;
-    }
-    m_wake.notify_one();
+    wish([&](Wish& wish) { wish.display = display; });
 }
 
 void ViewRenderer::setBackend(std::optional<render::BackendKind> kind)
@@ -161,7 +260,7 @@ void ViewRenderer::setBackend(std::optional<render::BackendKind> kind)
     post([this, kind](Thread& thread) {
         thread.chosen = kind;
         applyChoice(thread);
-        thread.dirty = true;
+        thread.first().dirty = true;
     });
 }
 
@@ -169,16 +268,16 @@ void ViewRenderer::setBudget(double seconds, PointIndex points)
 {
     post([seconds, points](Thread& thread) {
         thread.budget = seconds;
-        thread.renderer->setPointsAFrame(points);
+        for (const auto& picture : thread.pictures)
+            if (picture->renderer) picture->renderer->setPointsAFrame(points);
     });
 }
 
 void ViewRenderer::addCloud(std::shared_ptr<render::PointStore> store)
 {
     post([store = std::move(store)](Thread& thread) {
-        thread.renderer->addCloud(store);
+        thread.forAll([&](render::ProgressiveRenderer& renderer) { renderer.addCloud(store); });
         thread.clouds.push_back({store, true});
-        thread.dirty = true;
     });
 }
 
@@ -187,42 +286,41 @@ void ViewRenderer::loadingEnded(std::shared_ptr<const PointCloud> cloud, const R
     post([cloud = std::move(cloud), bounds](Thread& thread) {
         for (Thread::Cloud& entry : thread.clouds)
             if (&entry.store->cloud() == cloud.get()) entry.loading = false;
-        thread.renderer->loadingEnded(*cloud, bounds);
-        thread.dirty = true;
+        thread.forAll([&](render::ProgressiveRenderer& renderer) { renderer.loadingEnded(*cloud, bounds); });
     });
 }
 
 void ViewRenderer::removeCloud(std::shared_ptr<const PointCloud> cloud)
 {
     post([cloud = std::move(cloud)](Thread& thread) {
-        thread.renderer->removeCloud(*cloud);
+        thread.forAll([&](render::ProgressiveRenderer& renderer) { renderer.removeCloud(*cloud); });
         std::erase_if(thread.clouds,
                       [&](const Thread::Cloud& entry) { return &entry.store->cloud() == cloud.get(); });
-        thread.dirty = true;
     });
 }
 
 void ViewRenderer::valuesChanged(std::shared_ptr<const PointCloud> cloud, const ChangeNotice& notice)
 {
     post([cloud = std::move(cloud), notice](Thread& thread) {
-        thread.renderer->valuesChanged(*cloud, notice);
-        thread.dirty = true;
+        thread.changeStores(StoreChange::Values,
+                            [&](render::ProgressiveRenderer& renderer) { renderer.valuesChanged(*cloud, notice); });
     });
 }
 
 void ViewRenderer::hide(std::shared_ptr<const PointCloud> cloud, std::shared_ptr<const PointSet> points)
 {
     post([cloud = std::move(cloud), points = std::move(points)](Thread& thread) {
-        thread.renderer->hide(*cloud, points.get());
-        thread.dirty = true;
+        thread.changeStores(StoreChange::Hidden,
+                            [&](render::ProgressiveRenderer& renderer) { renderer.hide(*cloud, points.get()); });
     });
 }
 
 void ViewRenderer::setSelection(std::shared_ptr<const PointCloud> cloud, std::shared_ptr<const PointSet> selection)
 {
     post([cloud = std::move(cloud), selection = std::move(selection)](Thread& thread) {
-        thread.renderer->setSelection(*cloud, selection);
-        thread.dirty = true;
+        thread.changeStores(StoreChange::Selection, [&](render::ProgressiveRenderer& renderer) {
+            renderer.setSelection(*cloud, selection);
+        });
     });
 }
 
@@ -230,15 +328,16 @@ void ViewRenderer::snapshot(std::shared_ptr<const PointCloud> cloud, QObject* re
 {
     post([this, cloud = std::move(cloud), target = QPointer<QObject>(receiver),
           reply = std::move(reply)](Thread& thread) {
-        thread.snapshots.push_back({cloud, [this, target, reply](std::shared_ptr<const ViewSnapshot> view) {
-                                        // by way of this object, as in pick()
-                                        QMetaObject::invokeMethod(
-                                            this,
-                                            [target, reply, view = std::move(view)] {
-                                                if (target) reply(view);
-                                            },
-                                            Qt::QueuedConnection);
-                                    }});
+        pictureOf(thread).snapshots.push_back(
+            {cloud, [this, target, reply](std::shared_ptr<const ViewSnapshot> view) {
+                 // by way of this object, as in pick()
+                 QMetaObject::invokeMethod(
+                     this,
+                     [target, reply, view = std::move(view)] {
+                         if (target) reply(view);
+                     },
+                     Qt::QueuedConnection);
+             }});
     });
 }
 
@@ -246,7 +345,9 @@ void ViewRenderer::pick(int x, int y, QObject* receiver, PickReply reply)
 {
     post([x, y, target = QPointer<QObject>(receiver), reply = std::move(reply), this](Thread& thread) {
         std::optional<PickedPoint> picked;
-        if (const auto hit = thread.renderer->pick(x, y); hit && hit->cloud < thread.clouds.size()) {
+        render::ProgressiveRenderer* const renderer = pictureOf(thread).renderer.get();
+        const auto hit = renderer ? renderer->pick(x, y) : std::nullopt;
+        if (hit && hit->cloud < thread.clouds.size()) {
             const auto& store = thread.clouds[hit->cloud].store;
             const PointCloud& cloud = store->cloud();
             picked.emplace();
@@ -256,7 +357,7 @@ void ViewRenderer::pick(int x, int y, QObject* receiver, PickReply reply)
             const std::shared_lock lock(cloud.mutex());
             if (const Attribute* classes = cloud.findAttribute("Classification"))
                 picked->classCode = unsigned(std::clamp(classes->number(hit->index), 0.0, 255.0));
-            const std::string shown = thread.renderer->shownAttribute();
+            const std::string shown = renderer->shownAttribute();
             if (const Attribute* attribute = cloud.findAttribute(shown)) {
                 picked->attribute = toQString(shown);
                 picked->value = pickedValue(*attribute, hit->index);
@@ -274,16 +375,24 @@ void ViewRenderer::pick(int x, int y, QObject* receiver, PickReply reply)
 
 void ViewRenderer::capture(bool transparent, CaptureDone done)
 {
-    post([transparent, done = std::move(done)](Thread& thread) { thread.captures.push_back({transparent, done}); });
+    post([this, transparent, done = std::move(done)](Thread& thread) {
+        pictureOf(thread).captures.push_back({transparent, done});
+    });
 }
 
 std::shared_ptr<const Frame> ViewRenderer::frame() const
 {
-    const std::lock_guard lock(m_mutex);
+    const std::lock_guard lock(m_first.m_mutex);
     return m_frame;
 }
 
 // -- the render thread
+
+ViewRenderer::Picture& ViewRenderer::pictureOf(Thread& thread) const
+{
+    return **std::find_if(thread.pictures.begin(), thread.pictures.end(),
+                          [this](const auto& picture) { return picture->view == this; });
+}
 
 void ViewRenderer::announceFailure(const QString& sentence)
 {
@@ -305,22 +414,21 @@ void ViewRenderer::useBackend(Thread& thread, render::BackendKind kind)
         kind = render::BackendKind::Cpu;
         backend = render::makeBackend(kind);
     }
-    if (thread.renderer) {
+    std::unique_ptr<render::ProgressiveRenderer>& renderer = thread.first().renderer;
+    if (renderer) {
         // What the old backend has on the device goes while its own context is current.
         if (thread.context) thread.context.makeCurrent();
-        thread.renderer->setBackend(std::move(backend));
+        renderer->setBackend(std::move(backend));
         if (context) context.makeCurrent();
     } else {
-        thread.renderer = std::make_unique<render::ProgressiveRenderer>(std::move(backend));
+        renderer = std::make_unique<render::ProgressiveRenderer>(std::move(backend));
     }
     std::swap(thread.context, context);
     thread.kind = kind;
-    thread.broken = false;
+    thread.first().broken = false;
     QMetaObject::invokeMethod(
         this,
-        [this, kind, text = toQString(thread.renderer->backend().description())] {
-            emit backendChanged(kind, text);
-        },
+        [this, kind, text = toQString(renderer->backend().description())] { emit backendChanged(kind, text); },
         Qt::QueuedConnection);
 }
 
@@ -328,10 +436,11 @@ void ViewRenderer::applyChoice(Thread& thread)
 {
     using render::BackendKind;
     BackendKind kind = thread.chosen.value_or(thread.fastest.device ? thread.fastest.kind : BackendKind::Cpu);
-    if (thread.renderer && thread.renderer->display().averaged) kind = BackendKind::Cpu;  // it alone averages
-    if (thread.renderer && thread.wanted == kind) return;
+    const auto& renderer = thread.first().renderer;
+    if (renderer && renderer->display().averaged) kind = BackendKind::Cpu;  // it alone averages
+    if (renderer && thread.wanted == kind) return;
     thread.wanted = kind;
-    if (!thread.renderer || thread.kind != kind) useBackend(thread, kind);
+    if (!renderer || thread.kind != kind) useBackend(thread, kind);
 }
 
 void ViewRenderer::measureBackends(Thread& thread)
@@ -345,129 +454,160 @@ void ViewRenderer::measureBackends(Thread& thread)
         this, [this, fastest = thread.fastest] { emit backendsMeasured(fastest); }, Qt::QueuedConnection);
     const render::BackendKind before = thread.kind;
     applyChoice(thread);
-    thread.dirty = thread.dirty || thread.kind != before;
+    if (thread.kind != before) thread.first().dirty = true;
 }
 
 void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBackend fastest)
 {
     Thread thread;
+    thread.pictures.push_back(std::make_unique<Picture>());
+    thread.first().view = this;
     thread.fastest = std::move(fastest);
     thread.chosen = backend;
     applyChoice(thread);
     bool idle = true;
     bool calm = false;
     for (;;) {
-        Pending pending;
+        std::vector<Command> commands;
+        std::vector<std::pair<ViewRenderer*, Wish>> wishes;
         {
             std::unique_lock lock(m_mutex);
-            const auto wanted = [this] { return m_pending.any(); };
+            const auto wanted = [this] {
+                return m_stop || !m_commands.empty() ||
+                       std::any_of(m_views.begin(), m_views.end(),
+                                   [](const ViewRenderer* view) { return view->m_on && view->m_wish.any(); });
+            };
             if (idle && !thread.chosen && !thread.measured) {
                 if (!m_wake.wait_for(lock, kQuiet, wanted)) {
                     lock.unlock();
                     measureBackends(thread);
-                    idle = !thread.dirty;
+                    idle = !thread.first().dirty;
                     continue;
                 }
             } else if (idle)
                 m_wake.wait(lock, wanted);
             else if (calm)
                 m_wake.wait_for(lock, kLoadingPause, wanted);
-            std::swap(pending, m_pending);
+            if (m_stop) return;
+            std::swap(commands, m_commands);
+            for (ViewRenderer* view : m_views)
+                if (view->m_on && view->m_wish.any()) wishes.emplace_back(view, std::exchange(view->m_wish, {}));
         }
-        if (pending.stop) return;
-        try {
-            for (Command& command : pending.commands) command(thread);
-            if (pending.size) thread.renderer->setSize(pending.size->first, pending.size->second);
-            if (pending.camera) thread.renderer->setCamera(*pending.camera);
-            if (pending.display) {
-                thread.renderer->setDisplay(*pending.display);
-                applyChoice(thread);
+        const auto guarded = [&](Picture& picture, const auto& work) {
+            try {
+                work();
+            } catch (const std::exception& e) {
+                fail(thread, picture, QString::fromLocal8Bit(e.what()));
             }
-            thread.dirty = thread.dirty || pending.size || pending.camera || pending.display;
-            if (thread.dirty) thread.broken = false;
-            if (!thread.broken) renderNext(thread);
-        } catch (const std::exception& e) {
-            if (thread.kind != render::BackendKind::Cpu) {
-                announceFailure(tr("OpenGL drawing failed, so the CPU draws from here on: %1")
-                                    .arg(QString::fromLocal8Bit(e.what())));
-                useBackend(thread, render::BackendKind::Cpu);
-                thread.dirty = true;
-            } else {
-                announceFailure(QString::fromLocal8Bit(e.what()));
-                thread.broken = true;
-                thread.dirty = false;
-            }
+        };
+        for (const Command& command : commands) guarded(thread.first(), [&] { command(thread); });
+        bool moved = false;
+        for (const auto& [view, wish] : wishes) {
+            Picture& picture = view->pictureOf(thread);
+            if (wish.size) picture.known.size = wish.size;
+            if (wish.camera) picture.known.camera = wish.camera;
+            if (wish.display) picture.known.display = wish.display;
+            if (!picture.renderer) continue;  // it could not be made
+            guarded(picture, [&, &wish = wish] {
+                picture.apply(wish);
+                if (wish.display && &picture == &thread.first()) applyChoice(thread);
+            });
+            moved = moved || wish.camera;
         }
-        if (thread.broken)
-            for (const Thread::Snapshot& wanted : std::exchange(thread.snapshots, {})) wanted.done(nullptr);
         const bool loading = thread.loading();
-        idle = thread.broken || (!thread.dirty && !loading && thread.renderer->converged());
-        calm = loading && !pending.camera;
+        const auto unfinished = std::count_if(thread.pictures.begin(), thread.pictures.end(),
+                                              [](const auto& picture) { return !picture->finished(); });
+        for (const auto& picture : thread.pictures) {
+            if (picture->dirty) picture->broken = false;
+            if (picture->renderer && !picture->broken)
+                guarded(*picture, [&] {
+                    renderNext(thread, *picture, thread.budget / double(std::max<long>(unfinished, 1)));
+                });
+            if (picture->broken || !picture->renderer) picture->refuse();
+        }
+        idle = !loading && std::all_of(thread.pictures.begin(), thread.pictures.end(),
+                                       [](const auto& picture) { return picture->finished(); });
+        calm = loading && !moved;
     }
 }
 
-void ViewRenderer::renderNext(Thread& thread)
+void ViewRenderer::fail(Thread& thread, Picture& picture, const QString& sentence)
 {
-    const bool finished = thread.renderer->converged() && !thread.dirty;
-    if (!finished || thread.loading()) {
-        thread.dirty = false;
-        const render::FrameReport report = thread.renderer->renderFrame(thread.budget);
-        if (thread.renderer->image().width > 0) publish(thread, report);
+    if (&picture == &thread.first() && thread.kind != render::BackendKind::Cpu) {
+        announceFailure(tr("OpenGL drawing failed, so the CPU draws from here on: %1").arg(sentence));
+        useBackend(thread, render::BackendKind::Cpu);
+        picture.dirty = true;
+    } else {
+        announceFailure(sentence);
+        picture.broken = true;
+        picture.dirty = false;
     }
-    if (thread.renderer->converged()) serveSnapshots(thread);
-    if (!thread.captures.empty() && thread.renderer->converged() && !thread.loading()) serveCaptures(thread);
 }
 
-void ViewRenderer::serveSnapshots(Thread& thread)
+void ViewRenderer::renderNext(Thread& thread, Picture& picture, double budget)
 {
-    for (const Thread::Snapshot& wanted : std::exchange(thread.snapshots, {})) {
+    if (!picture.finished() || thread.loading()) {
+        picture.dirty = false;
+        const render::FrameReport report = picture.renderer->renderFrame(budget);
+        if (picture.renderer->image().width > 0) picture.view->publish(picture, report);
+    }
+    if (!picture.renderer->converged()) return;
+    serveSnapshots(thread, picture);
+    if (!picture.captures.empty() && !thread.loading()) serveCaptures(thread, picture);
+}
+
+void ViewRenderer::serveSnapshots(Thread& thread, Picture& picture)
+{
+    for (const Picture::Snapshot& wanted : std::exchange(picture.snapshots, {})) {
         std::shared_ptr<ViewSnapshot> view;
         for (const Thread::Cloud& entry : thread.clouds) {
             if (&entry.store->cloud() != wanted.cloud.get()) continue;
             view = std::make_shared<ViewSnapshot>();
             view->cloud = wanted.cloud;
-            view->projection = thread.renderer->projectionOf(*wanted.cloud);
+            view->projection = picture.renderer->projectionOf(*wanted.cloud);
             const PictureProjection& p = view->projection;
-            const glm::dvec3 pivot = wanted.cloud->coordinates().toRaw(thread.renderer->camera().pivot) - p.base;
+            const glm::dvec3 pivot = wanted.cloud->coordinates().toRaw(picture.renderer->camera().pivot) - p.base;
             view->pivotDepth = glm::dot(glm::dvec3(p.rowD), pivot) + p.rowD.w;
-            view->visible = std::make_shared<PointSet>(thread.renderer->visiblePoints(*wanted.cloud));
+            view->visible = std::make_shared<PointSet>(picture.renderer->visiblePoints(*wanted.cloud));
         }
         wanted.done(std::move(view));
     }
 }
 
-void ViewRenderer::serveCaptures(Thread& thread)
+void ViewRenderer::serveCaptures(Thread& thread, Picture& picture)
 {
-    const render::DisplaySettings shown = thread.renderer->display();
-    for (Thread::Capture& capture : std::exchange(thread.captures, {})) {
+    render::ProgressiveRenderer& renderer = *picture.renderer;
+    const render::DisplaySettings shown = renderer.display();
+    for (const Picture::Capture& capture : std::exchange(picture.captures, {})) {
         if (capture.transparent) {
             render::DisplaySettings bare = shown;
             bare.backgroundTop.a = bare.backgroundBottom.a = 0;
-            thread.renderer->setDisplay(bare);
-            while (!thread.renderer->renderFrame(thread.budget).converged) {
+            renderer.setDisplay(bare);
+            while (!renderer.renderFrame(thread.budget).converged) {
             }
         }
-        capture.done(std::make_shared<render::Image>(thread.renderer->image()));
+        capture.done(std::make_shared<render::Image>(renderer.image()));
         if (capture.transparent) {
-            thread.renderer->setDisplay(shown);
-            while (!thread.renderer->renderFrame(thread.budget).converged) {
+            renderer.setDisplay(shown);
+            while (!renderer.renderFrame(thread.budget).converged) {
             }
         }
     }
 }
 
-void ViewRenderer::publish(Thread& thread, const render::FrameReport& report)
+void ViewRenderer::publish(Picture& picture, const render::FrameReport& report)
 {
     const auto frame = Pool::take(m_pool);
-    frame->image = thread.renderer->image();
-    frame->camera = thread.renderer->camera();
+    frame->image = picture.renderer->image();
+    frame->camera = picture.renderer->camera();
     frame->report = report;
-    frame->range = thread.renderer->range();
-    frame->attribute = toQString(thread.renderer->shownAttribute());
-    frame->number = ++thread.frames;
+    frame->range = picture.renderer->range();
+    frame->attribute = toQString(picture.renderer->shownAttribute());
+    frame->number = ++picture.frames;
     bool announce = false;
     {
-        const std::lock_guard lock(m_mutex);
+        const std::lock_guard lock(m_first.m_mutex);
+        if (!m_on) return;
         m_frame = frame;
         announce = !std::exchange(m_announced, true);
     }
@@ -476,7 +616,7 @@ void ViewRenderer::publish(Thread& thread, const render::FrameReport& report)
         this,
         [this] {
             {
-                const std::lock_guard lock(m_mutex);
+                const std::lock_guard lock(m_first.m_mutex);
                 m_announced = false;
             }
             emit frameReady();

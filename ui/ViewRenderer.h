@@ -59,6 +59,9 @@ struct ViewSnapshot {
 /// Every member may be called from the GUI thread and returns at once; signals come in the GUI thread. Of cameras,
 /// sizes and settings only the newest counts. While files load and nobody moves the camera, frames come in a calm
 /// rhythm, so that loading gets the cores.
+///
+/// A view may have others beside it, of the same clouds: its thread draws them in turn, each a share of the frame's
+/// time while several are unfinished.
 class ViewRenderer final : public QObject
 {
     Q_OBJECT
@@ -66,7 +69,13 @@ public:
     /// `backend`: none for the fastest. That is `fastest`, if the device is still the same; otherwise the processor
     /// draws until nothing has happened for some seconds, and then all backends are measured.
     ViewRenderer(std::optional<render::BackendKind> backend, FastestBackend fastest, QObject* parent = nullptr);
+    /// Another view of what `first` shows, drawn by the processor from the same stores, so that it takes memory for
+    /// its picture alone. Off until setOn(true). What is told of clouds is told to `first`, which must outlive it.
+    explicit ViewRenderer(ViewRenderer& first, QObject* parent = nullptr);
     ~ViewRenderer() override;
+
+    /// Of a view beside another one. Off, it has no picture and costs nothing; picks and snapshots give none.
+    void setOn(bool on);
 
     void setSize(int widthPx, int heightPx);
     void setCamera(const render::Camera& camera);
@@ -113,35 +122,47 @@ signals:
 
 private:
     struct Pool;
+    struct Picture;
     struct Thread;
     using Command = std::function<void(Thread&)>;
-    struct Pending {
+    /// What is to be seen, where that is new to the picture.
+    struct Wish {
         std::optional<std::pair<int, int>> size;
         std::optional<render::Camera> camera;
         std::optional<render::DisplaySettings> display;
-        std::vector<Command> commands;
-        bool stop = false;
-        bool any() const { return size || camera || display || !commands.empty() || stop; }
+        bool any() const { return size || camera || display; }
     };
 
     void post(Command command);
+    /// Changes the wish for this view's picture.
+    template <typename Change>
+    void wish(Change change);
     void run(std::optional<render::BackendKind> backend, FastestBackend fastest);
     void useBackend(Thread& thread, render::BackendKind kind);
     void applyChoice(Thread& thread);
     void measureBackends(Thread& thread);
-    void renderNext(Thread& thread);
-    void serveCaptures(Thread& thread);
-    void serveSnapshots(Thread& thread);
-    void publish(Thread& thread, const render::FrameReport& report);
+    Picture& pictureOf(Thread& thread) const;
+    static void renderNext(Thread& thread, Picture& picture, double budget);
+    static void serveCaptures(Thread& thread, Picture& picture);
+    static void serveSnapshots(Thread& thread, Picture& picture);
+    void fail(Thread& thread, Picture& picture, const QString& sentence);
+    void publish(Picture& picture, const render::FrameReport& report);
     void announceFailure(const QString& sentence);
 
+    ViewRenderer& m_first;  ///< whose thread draws this one; itself
     std::shared_ptr<Pool> m_pool;
+    // All views are guarded by the first one's mutex.
     mutable std::mutex m_mutex;
-    std::condition_variable m_wake;
-    Pending m_pending;
+    Wish m_wish;
+    bool m_on = true;
     std::shared_ptr<const Frame> m_frame;
     bool m_announced = false;  ///< frameReady is on its way and not yet delivered
-    std::thread m_thread;      // last: starts when everything else is there
+    // Of the first alone.
+    std::condition_variable m_wake;
+    std::vector<ViewRenderer*> m_views;  ///< this one, and those beside it
+    std::vector<Command> m_commands;
+    bool m_stop = false;
+    std::thread m_thread;  // last: starts when everything else is there
 };
 
 }  // namespace punctum::ui

@@ -170,6 +170,23 @@ void ProgressiveRenderer::hide(const PointCloud& cloud, const PointSet* points)
     m_viewChanged = true;
 }
 
+void ProgressiveRenderer::storesChanged(StoreChange change)
+{
+    switch (change) {
+        case StoreChange::Hidden:
+            m_viewChanged = true;
+            return;
+        case StoreChange::Values:
+            m_rangeNeeded = true;
+            if (!m_scene.allClassesVisible) m_redrawWhenFresh = true;
+            break;
+        case StoreChange::Selection:
+            break;
+    }
+    m_colors = {};
+    m_resolveNeeded = m_visibleOutdated = true;
+}
+
 void ProgressiveRenderer::setSize(int width, int height)
 {
     width = std::max(width, 1);
@@ -309,8 +326,7 @@ void ProgressiveRenderer::beginPass() noexcept
 
 void ProgressiveRenderer::refreshVisible()
 {
-    const bool stale = std::any_of(m_entries.begin(), m_entries.end(), [](auto& e) { return e->store->stale(); });
-    if (!stale || !std::exchange(m_visibleOutdated, false)) return;
+    if (!anyStale() || !std::exchange(m_visibleOutdated, false)) return;
     m_backend->visibleIds(m_visible);
     std::vector<std::vector<Slot>> slots(m_scene.layers.size());
     LayerLookup lookup(m_scene);
@@ -337,8 +353,20 @@ void ProgressiveRenderer::streamAttributes(double deadline)
         }
         fresh = fresh && !entry->store->stale();
     }
-    if (fresh) m_resolveNeeded = true;  // copies on devices get the rest of their words
-    if (fresh && std::exchange(m_redrawWhenFresh, false)) m_viewChanged = true;
+    if (fresh) wordsFresh();
+}
+
+/// Called in the frame that brings the last words, or finds that another renderer has.
+void ProgressiveRenderer::wordsFresh() noexcept
+{
+    m_streaming = false;
+    m_resolveNeeded = true;  // copies on devices get the rest of their words
+    if (std::exchange(m_redrawWhenFresh, false)) m_viewChanged = true;
+}
+
+bool ProgressiveRenderer::anyStale() const noexcept
+{
+    return std::any_of(m_entries.begin(), m_entries.end(), [](const auto& e) { return e->store->stale(); });
 }
 
 void ProgressiveRenderer::beginGrown() noexcept
@@ -515,7 +543,7 @@ void ProgressiveRenderer::resolveImage(const ResolveSettings& settings)
 
 bool ProgressiveRenderer::ready() const noexcept
 {
-    return !m_targetChanged && !m_layersChanged && !m_viewChanged && !m_resolveNeeded &&
+    return !m_targetChanged && !m_layersChanged && !m_viewChanged && !m_resolveNeeded && !m_streaming &&
            std::all_of(m_entries.begin(), m_entries.end(), [&](const auto& e) {
                return e->complete() && !e->store->stale() && (!averaging() || e->colored == e->store->slotCount());
            });
@@ -548,6 +576,7 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
             m_rangeNeeded = true;
     }
     judgeColors();
+    if (!anyStale() && (m_streaming || m_redrawWhenFresh)) wordsFresh();
     if (ready() && !m_rangeNeeded) {
         report.converged = true;
         report.share = 1.0;
@@ -571,8 +600,7 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
         m_targetChanged = m_layersChanged = m_viewChanged = false;
         beginPass();
     }
-    const bool streaming =
-        std::any_of(m_entries.begin(), m_entries.end(), [](auto& e) { return e->store->stale(); });
+    const bool streaming = m_streaming = anyStale();
     const double deadline = started + budget - m_resolveSeconds;
     // While an attribute streams, filling and streaming share what is left of the frame.
     fill(streaming ? now() + (deadline - now()) / 2 : deadline);

@@ -38,6 +38,9 @@ struct PickResult {
 ///
 /// One thread (the render thread) calls everything; loader threads meanwhile fill the stores. Takes each cloud's
 /// mutex() shared while it reads columns. Errors: Error from the backend.
+///
+/// Several renderers of one thread may draw the same stores. They show the same attribute then; what one is told by
+/// valuesChanged(), setSelection() or hide() it does to the stores, and the others are told by storesChanged().
 class ProgressiveRenderer
 {
 public:
@@ -60,6 +63,10 @@ public:
     /// Points that are not drawn from now on, beside hidden classes and what the clip cuts off; null: none.
     void hide(const PointCloud& cloud, const PointSet* points);
 
+    enum class StoreChange { Values, Selection, Hidden };
+    /// Another renderer has changed stores that this one draws, too.
+    void storesChanged(StoreChange change);
+
     // -- view
     void setSize(int width, int height);
     /// Draws a part, of setSize(), of a larger picture; none: all of it. Nothing of the picture as a whole is in it
@@ -78,6 +85,7 @@ public:
     /// Draws exactly so many slots a frame (rounded up to windows of the order), whatever the time; 0, as at first:
     /// as many as renderFrame() has time for.
     void setPointsAFrame(PointIndex points) noexcept { m_pointsAFrame = points; }
+    PointIndex pointsAFrame() const noexcept { return m_pointsAFrame; }
     /// Draws for about `budget` seconds into image(). Does nothing (converged, 0 points) when nothing changed.
     FrameReport renderFrame(double budget);
     /// All points in one pass, no progression: the reference image.
@@ -106,7 +114,9 @@ private:
     void updateRange();
     void beginPass() noexcept;
     void refreshVisible();
+    bool anyStale() const noexcept;
     void streamAttributes(double deadline);
+    void wordsFresh() noexcept;
     PointStyle styleOf(Entry& entry) const;
     /// Draws further slots until then.
     void fill(double deadline);
@@ -148,6 +158,7 @@ private:
     bool m_resolveNeeded = true;
     bool m_rangeNeeded = true;
     bool m_visibleOutdated = true;   ///< words of visible points may not be those of the present values
+    bool m_streaming = false;        ///< words were out of date in the last frame
     bool m_redrawWhenFresh = false;  ///< classes changed while some are hidden
 };
 

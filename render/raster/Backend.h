@@ -99,8 +99,9 @@ struct LayerProjection {
     }
 };
 
-/// The most planes that cut a view.
-constexpr std::size_t kMostClipPlanes = 6;
+/// The most planes that cut a view: kMostCuts that the user may place, and the four sides of a section.
+constexpr std::size_t kMostClipPlanes = 10;
+constexpr std::size_t kMostCuts = 6;
 
 /// Which part of a cloud is drawn, in its store's local integers: points with low <= local <= high, and for each
 /// plane dot(plane.xyz, q) + plane.w >= 0, where q = float(local - reference) of the layer's projection.

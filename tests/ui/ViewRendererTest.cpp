@@ -22,6 +22,7 @@ private Q_SLOTS:
     void theFastestIsMeasuredOnce();
     void backendsChangeWhileDrawing();
     void theCpuGoesOnWhenOpenGlFails();
+    void viewsBesideEachOther();
 
 private:
     bool m_haveGl = false;
@@ -37,11 +38,12 @@ struct View {
     QSignalSpy changes{&renderer, &ViewRenderer::backendChanged};
     QSignalSpy measured{&renderer, &ViewRenderer::backendsMeasured};
     std::shared_ptr<PointCloud> cloud = test::makeCloud(100'000);
+    std::shared_ptr<render::PointStore> store;
 
     explicit View(std::optional<BackendKind> kind, const FastestBackend& fastest = {}) : renderer(kind, fastest)
     {
         const RawBounds bounds = cloud->computeBounds();
-        const auto store = std::make_shared<render::PointStore>(cloud, bounds);
+        store = std::make_shared<render::PointStore>(cloud, bounds);
         store->fillAll();
         renderer.addCloud(store);
         renderer.loadingEnded(cloud, bounds);
@@ -121,6 +123,106 @@ void ViewRendererTest::theCpuGoesOnWhenOpenGlFails()
         const QString sentence = view.failures.first().first().toString();
         QVERIFY2(sentence.contains("CPU") && sentence.endsWith('.'), qPrintable(sentence));
     }
+}
+
+// Two views of one store: whatever is told, both become what a renderer with a store of its own draws at once.
+void ViewRendererTest::viewsBesideEachOther()
+{
+    View view(BackendKind::Cpu);
+    ViewRenderer other(view.renderer);
+    const WorldBounds box = view.cloud->coordinates().toWorld(view.cloud->computeBounds());
+    render::DisplaySettings display, cut;
+    render::Camera top, side;
+    top.setView("top");
+    top.fit(box, {400, 300});
+    side.setView("front");
+    side.orthographic = true;
+    side.fit(box, {300, 200});
+    const auto send = [&] {
+        cut = display;
+        const double middle = (box.min.y + box.max.y) / 2, width = (box.max.y - box.min.y) / 5;
+        cut.clip.planes = {{{0, 1, 0}, middle - width}, {{0, -1, 0}, -middle - width}};
+        view.renderer.setDisplay(display);
+        other.setDisplay(cut);
+    };
+    view.renderer.setCamera(top);
+    other.setCamera(side);
+    other.setSize(300, 200);
+    send();
+    QTRY_VERIFY(view.shows(400));
+    QVERIFY(!other.frame());  // it is off
+    other.setOn(true);
+
+    std::shared_ptr<const PointSet> selected, hidden;
+    const auto expected = [&](const render::Camera& camera, const render::DisplaySettings& settings, int w, int h) {
+        render::ProgressiveRenderer renderer(render::makeBackend(BackendKind::Cpu));
+        const auto store = std::make_shared<render::PointStore>(view.cloud, view.cloud->computeBounds());
+        store->fillAll();
+        renderer.addCloud(store);
+        renderer.setSize(w, h);
+        renderer.setCamera(camera);
+        renderer.setDisplay(settings);
+        if (selected) renderer.setSelection(*view.cloud, selected);
+        if (hidden) renderer.hide(*view.cloud, hidden.get());
+        while (!renderer.renderFrame(1.0).converged) {
+        }
+        return renderer.image();
+    };
+    const auto both = [&](const char* what) {
+        const render::Image first = expected(top, display, 400, 300), second = expected(side, cut, 300, 200);
+        const auto same = [&] {
+            const auto a = view.renderer.frame(), b = other.frame();
+            return a && b && a->report.converged && b->report.converged && a->image == first && b->image == second;
+        };
+        return QTest::qWaitFor(same, 20'000) ? QByteArray() : QByteArray(what);
+    };
+    const auto reclassify = [&](std::uint8_t from, std::uint8_t to) {
+        const std::unique_lock lock(view.cloud->mutex());
+        const auto points = test::reclassify(*view.cloud, from, to);
+        view.renderer.valuesChanged(view.cloud, {ChangeNotice::Kind::Values, {"Classification"}, points});
+    };
+    QCOMPARE(both("at first"), QByteArray());
+    for (const char* attribute : {"Z", "Classification", "Intensity"}) {
+        display.attribute = attribute;
+        send();
+        QCOMPARE(both(attribute), QByteArray());
+    }
+    selected = std::make_shared<PointSet>(view.cloud->size());
+    for (PointIndex i = 0; i < view.cloud->size(); i += 3) std::const_pointer_cast<PointSet>(selected)->insert(i);
+    view.renderer.setSelection(view.cloud, selected);
+    QCOMPARE(both("selection"), QByteArray());
+    hidden = std::make_shared<PointSet>(view.cloud->size());
+    for (PointIndex i = 0; i < view.cloud->size(); i += 5) std::const_pointer_cast<PointSet>(hidden)->insert(i);
+    view.renderer.hide(view.cloud, hidden);
+    QCOMPARE(both("hidden"), QByteArray());
+    hidden = nullptr;
+    view.renderer.hide(view.cloud, nullptr);
+    QCOMPARE(both("shown again"), QByteArray());
+    display.classVisible[6] = false;
+    send();
+    QCOMPARE(both("class hidden"), QByteArray());
+    display.attribute = "Classification";
+    send();
+    reclassify(2, 9);
+    QCOMPARE(both("ground is water"), QByteArray());
+    reclassify(9, 6);
+    QCOMPARE(both("water is of the hidden class"), QByteArray());
+    reclassify(6, 2);
+    QCOMPARE(both("all is ground"), QByteArray());
+
+    // off and on again it shows the same
+    const auto before = other.frame();
+    other.setOn(false);
+    QVERIFY(!other.frame());
+    bool answered = false;
+    other.pick(150, 100, &other, [&](const std::optional<PickedPoint>& point) { answered = !point; });
+    QTRY_VERIFY(answered);
+    other.setOn(true);
+    QTRY_VERIFY(other.frame() && other.frame()->report.converged && other.frame()->image == before->image);
+    std::optional<PickedPoint> picked;
+    other.pick(150, 100, &other, [&](const std::optional<PickedPoint>& point) { picked = point; });
+    QTRY_VERIFY(picked);
+    QVERIFY(std::abs(picked->world.y - (box.min.y + box.max.y) / 2) <= (box.max.y - box.min.y) / 5 + 1e-6);
 }
 
 QTEST_GUILESS_MAIN(ViewRendererTest)

@@ -166,7 +166,7 @@ void VisibilityDock::takeClip()
     const QSignalBlocker quiet(m_useBox);
     m_useBox->setChecked(clip.box.has_value());
     if (clip.box) fillBox(*clip.box);
-    m_cut->setEnabled(clip.planes.size() < render::kMostClipPlanes);
+    m_cut->setEnabled(clip.planes.size() < render::kMostCuts);
     m_uncut->setEnabled(!clip.planes.empty());
 }
 

@@ -65,7 +65,7 @@ void useClip(const LayerClip& clip)
     glUniform3i(22, clip.low.x, clip.low.y, clip.low.z);
     glUniform3i(23, clip.high.x, clip.high.y, clip.high.z);
     glUniform1i(24, clip.on ? GLint(clip.planeCount) : -1);
-    if (clip.planeCount > 0) glUniform4fv(25, GLsizei(clip.planeCount), &clip.planes[0].x);
+    if (clip.planeCount > 0) glUniform4fv(48, GLsizei(clip.planeCount), &clip.planes[0].x);
 }
 
 std::array<std::uint32_t, 8> shownClasses(const FrameScene& scene) noexcept

@@ -3,7 +3,7 @@
 layout(location = 22) uniform ivec3 clipLow;
 layout(location = 23) uniform ivec3 clipHigh;
 layout(location = 24) uniform int planeCount;  // -1: all is drawn
-layout(location = 25) uniform vec4 planes[6];
+layout(location = 48) uniform vec4 planes[10];
 
 bool clipped(ivec3 position, vec3 q)
 {
