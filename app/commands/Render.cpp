@@ -8,7 +8,7 @@
 #include "app/commands/Command.h"
 #include "core/Error.h"
 #include "core/Text.h"
-#include "core/cloud/Visibility.h"
+#include "core/cloud/Section.h"
 #include "core/expression/Condition.h"
 #include "core/task/Progress.h"
 #include "render/color/ColorMap.h"
@@ -50,6 +50,9 @@ struct RenderOptions {
     std::string clip;
     std::vector<std::string> planes;
     std::string filter;
+    std::string section;
+    double sectionWidth = 1.0;
+    double exaggeration = 1.0;
     bool bruteForce = false;
     bool json = false;
 };
@@ -60,6 +63,7 @@ struct RenderRequest {
     std::optional<std::pair<double, double>> range;
     Background background;
     Clip clip;
+    std::optional<Section> section;
 };
 
 std::pair<double, double> parseRange(const std::string& text)
@@ -110,6 +114,33 @@ ClipPlane parsePlane(const std::string& text)
     if (n.size() == 4 && (n[0] != 0 || n[1] != 0 || n[2] != 0)) return {{n[0], n[1], n[2]}, n[3]};
     throw std::invalid_argument("\"" + text +
                                 "\" is no plane; write A,B,C,D to keep what has A x + B y + C z >= D.");
+}
+
+Section parseSection(const std::string& text, double width)
+{
+    const std::size_t colon = text.find(':');
+    const std::vector<double> a = parseNumbers(text.substr(0, colon));
+    const std::vector<double> b = parseNumbers(colon == std::string::npos ? "" : text.substr(colon + 1));
+    if (a.size() == 2 && b.size() == 2) {
+        const Section section{{a[0], a[1]}, {b[0], b[1]}, width, glm::dvec3(1.0)};
+        if (section.usable()) return section;
+    }
+    throw std::invalid_argument("\"" + text +
+                                "\" is no line of a section; write X1,Y1:X2,Y2, two different places.");
+}
+
+/// The camera of a section that all heights of its points fill.
+render::Camera cameraOf(const Section& section, const std::vector<DrawableCloud>& clouds, const Clip& clip,
+                        double exaggeration, glm::dvec2 size, Progress& progress)
+{
+    Visibility visibility;
+    visibility.clip = clip;
+    ShownHeights heights;
+    for (const DrawableCloud& loaded : clouds)
+        heights.include(
+            shownHeights(*loaded.cloud, hiddenPoints(*loaded.cloud, visibility, progress).get(), progress));
+    if (heights.points == 0) throw Error("No point lies in the section. Is its line on the cloud?");
+    return render::sectionCamera(section, heights.low, heights.high, size, exaggeration);
 }
 
 std::string listOf(const PointCloud& cloud)
@@ -178,7 +209,14 @@ void runRender(const RenderRequest& request, Progress& progress)
     display.bands = options.bands;
     display.backgroundTop = request.background.top;
     display.backgroundBottom = request.background.bottom;
-    display.clip = request.clip;
+    const glm::dvec3 stretch = render::viewStretch(*clouds.front().cloud, bounds);
+    std::optional<Section> section = request.section;
+    Clip clip = request.clip;
+    if (section) {
+        section->stretch = stretch;
+        for (const ClipPlane& side : section->sides()) clip.planes.push_back(side);
+    }
+    display.clip = clip;
     renderer.setDisplay(display);
     for (const DrawableCloud& loaded : clouds) {
         renderer.addCloud(loaded.store);
@@ -192,7 +230,7 @@ void runRender(const RenderRequest& request, Progress& progress)
     const glm::dvec2 size(width, height);
     render::Camera camera;
     camera.setView(options.view.empty() ? "iso" : options.view);
-    camera.stretch = render::viewStretch(*clouds.front().cloud, bounds);
+    camera.stretch = stretch;
     WorldBounds shown = bounds;
     if (request.clip.box) {
         shown.min = glm::max(shown.min, request.clip.box->min);
@@ -200,6 +238,7 @@ void runRender(const RenderRequest& request, Progress& progress)
         if (glm::any(glm::greaterThan(shown.min, shown.max))) throw Error("No point lies in the box of --clip.");
     }
     camera.fit(shown, size);
+    if (section) camera = cameraOf(*section, clouds, clip, options.exaggeration, size, progress);
     if (!options.camera.empty()) camera = readCamera(options.camera, camera, shown, size);
     renderer.setCamera(camera);
 
@@ -312,6 +351,25 @@ void addRender(CLI::App& root, Action& action)
         .add_option("--filter", options->filter,
                     "Draw only points for which this holds, such as \"Intensity > 2000 and ReturnNumber == 1\"")
         ->type_name("CONDITION");
+    CLI::Option* section =
+        command
+            .add_option("--section", options->section,
+                        "Draw the section along this line, the first place on the left, seen from the side")
+            ->type_name("X1,Y1:X2,Y2")
+            ->excludes(view)
+            ->excludes("--camera");
+    command
+        .add_option("--section-width", options->sectionWidth,
+                    "How wide the section is, half to each side of its line; default 1 (meters for degrees)")
+        ->type_name("W")
+        ->check(CLI::Range(1e-6, 1e9))
+        ->needs(section);
+    command
+        .add_option("--exaggeration", options->exaggeration,
+                    "Draw the heights of a section so many times as high, 0.1 to 100; default 1")
+        ->type_name("N")
+        ->check(CLI::Range(0.1, 100.0))
+        ->needs(section);
     addBackendOption(command, options->backend);
     command
         .add_option("--background", options->background,
@@ -326,8 +384,9 @@ void addRender(CLI::App& root, Action& action)
             if (!options->range.empty()) request.range = parseRange(options->range);
             if (!options->clip.empty()) request.clip.box = parseBox(options->clip);
             for (const std::string& plane : options->planes) request.clip.planes.push_back(parsePlane(plane));
-            if (request.clip.planes.size() > render::kMostClipPlanes)
+            if (request.clip.planes.size() > render::kMostCuts)
                 throw std::invalid_argument("There may be at most six planes that clip.");
+            if (!options->section.empty()) request.section = parseSection(options->section, options->sectionWidth);
             if (!options->filter.empty()) expression::Condition::check(options->filter);
             if (!options->background.empty()) request.background = parseBackground(options->background);
             if (CLI::detail::to_lower(std::filesystem::path(options->out).extension().string()) != ".png")

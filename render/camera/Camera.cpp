@@ -142,6 +142,19 @@ bool Camera::setView(std::string_view name) noexcept
     return true;
 }
 
+Camera sectionCamera(const Section& section, double low, double high, glm::dvec2 sizePx,
+                     double exaggeration) noexcept
+{
+    const glm::dvec2 along = section.along();
+    Camera camera;
+    camera.orthographic = true;
+    camera.yaw = std::atan2(along.y, along.x);
+    camera.pitch = 0.0;
+    camera.stretch = section.stretch * glm::dvec3(1.0, 1.0, exaggeration);
+    camera.fit(section.box(low, high), sizePx);
+    return camera;
+}
+
 glm::dvec3 viewStretch(std::string_view horizontalUnit, std::string_view verticalUnit,
                        const WorldBounds& bounds) noexcept
 {

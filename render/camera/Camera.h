@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/cloud/PointCloud.h"
+#include "core/cloud/Section.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
@@ -53,6 +53,11 @@ struct Camera {
 
     friend bool operator==(const Camera&, const Camera&) = default;
 };
+
+/// A parallel view of a section, upright and filled by what lies between two heights (world). `exaggeration`:
+/// heights look so many times as high.
+Camera sectionCamera(const Section& section, double low, double high, glm::dvec2 sizePx,
+                     double exaggeration = 1.0) noexcept;
 
 /// What a camera must stretch so that a cloud with these units (Attribute::unit of X and of Z) has its true shape.
 /// Degrees become meters on the WGS 84 ellipsoid at the latitude of the middle of `bounds`; heights in another unit

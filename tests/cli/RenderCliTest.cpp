@@ -298,6 +298,69 @@ private slots:
         QCOMPARE(qAlpha(corner("transparent", false)), 0);
     }
 
+    /// A section is the picture that its four planes and its camera give.
+    void section()
+    {
+        const Outcome info = runPunctum({"info", "--json", path("in.las")});
+        const QJsonArray low = info.json()["min"].toArray(), high = info.json()["max"].toArray();
+        const auto middle = [&](int axis) { return (low[axis].toDouble() + high[axis].toDouble()) / 2; };
+        const double x1 = middle(0) - 40, x2 = middle(0) + 60, y = middle(1);
+        const auto number = [](double v) { return QString::number(v, 'f', 6); };
+        const QString line = number(x1) + ',' + number(y) + ':' + number(x2) + ',' + number(y);
+        const QStringList size{"--size", "800x300", "--samples", "1", "--json", "--background", "transparent"};
+        const Outcome run = runPunctum(QStringList{"render", path("in.las"), "-o", path("section.png"), "--section",
+                                                   line, "--section-width", "6", "--exaggeration", "1"} +
+                                       size);
+        PUNCTUM_EXIT(run, 0);
+        const QImage picture = pictureOf(path("section.png"));
+        QVERIFY(coveredShare(picture) > 0.005);
+        const QJsonObject camera = run.json()["camera"].toObject();
+        QCOMPARE(camera["pitch"].toDouble(), 0.0);
+        QCOMPARE(camera["yaw"].toDouble(), 0.0);  // looks north
+        QVERIFY(camera["orthographic"].toBool());
+        QFile file(path("section.json"));
+        QVERIFY(file.open(QIODevice::WriteOnly));
+        file.write(QJsonDocument(camera).toJson());
+        file.close();
+        const Outcome same =
+            runPunctum(QStringList{"render", path("in.las"), "-o", path("planes.png"), "--camera",
+                                   path("section.json"), "--clip-plane", "1,0,0," + number(x1 - 1e-4),
+                                   "--clip-plane", "-1,0,0," + number(-x2 - 1e-4), "--clip-plane",
+                                   "0,1,0," + number(y - 3), "--clip-plane", "0,-1,0," + number(-y - 3)} +
+                       size);
+        PUNCTUM_EXIT(same, 0);
+        QVERIFY(picture == pictureOf(path("planes.png")));
+        // heights reach twice as far
+        const auto reach = [](const QImage& image) {
+            int first = image.height(), last = 0;
+            for (int row = 0; row < image.height(); ++row)
+                for (int x = 0; x < image.width(); ++x)
+                    if (qAlpha(image.pixel(x, row)) != 0) {
+                        first = std::min(first, row);
+                        last = row;
+                    }
+            return last - first;
+        };
+        const int once = reach(render("once.png", {"--section", line, "--exaggeration", "0.2"}));
+        const int twice = reach(render("twice.png", {"--section", line, "--exaggeration", "0.4"}));
+        QVERIFY2(std::abs(twice - 2 * once) <= 4, qPrintable(QStringLiteral("%1 %2").arg(once).arg(twice)));
+        const QString back = number(x2) + ',' + number(y) + ':' + number(x1) + ',' + number(y);
+        QVERIFY(!render("back.png", {"--section", back}).isNull());
+
+        for (const QStringList& wrong : {QStringList{"--section", "1,2:1,2"},
+                                         {"--section", "1,2,3:4,5,6"},
+                                         {"--section", "1,2"},
+                                         {"--section-width", "4"},
+                                         {"--section", line, "--section-width", "0"},
+                                         {"--section", line, "--view", "top"}})
+            PUNCTUM_EXIT(runPunctum(QStringList{"render", path("in.las"), "-o", path("no.png")} + wrong), 2);
+        const Outcome beside =
+            runPunctum({"render", path("in.las"), "-o", path("no.png"), "--section", "-9000000,0:-9000010,0"});
+        PUNCTUM_EXIT(beside, 1);
+        QVERIFY2(beside.oneSentence(), beside.said());
+        QVERIFY(!QFile::exists(path("no.png")));
+    }
+
     void drawsSeveralFilesTogether()
     {
         const QString first = realFile("bcts_1.laz");
