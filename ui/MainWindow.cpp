@@ -30,6 +30,8 @@
 #include "ui/measure/MeasureDock.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
+#include "ui/section/SectionTool.h"
+#include "ui/section/Sections.h"
 #include "ui/select/EditDock.h"
 #include "ui/select/SelectBar.h"
 #include "ui/select/SelectTools.h"
@@ -42,6 +44,7 @@
 #include <QFileInfo>
 #include <QLabel>
 #include <QMessageBox>
+#include <QSplitter>
 #include <QStatusBar>
 
 #include <glm/geometric.hpp>
@@ -102,16 +105,20 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     m_viewport =
         new Viewport(*m_renderer, *m_view,
                      options.view != ViewKind::Raster && openGlWidgetsWork(options.view == ViewKind::OpenGl));
-    setCentralWidget(m_viewport);
+    auto* const views = new QSplitter;
+    views->addWidget(m_viewport);
+    views->setCollapsible(0, false);
+    setCentralWidget(views);
     m_filter = new ViewFilter(*m_workspace, *m_renderer, *m_view, this);
     m_selection = new Selection(*m_workspace, *m_renderer, *m_view, *m_filter, this);
     m_selectTools = new SelectTools(*m_viewport, *m_selection, this);
     m_measurements = new Measurements(*m_workspace, this);
-    m_measureTools = new MeasureTools(*m_viewport, *m_renderer, *m_workspace, *m_measurements, this);
+    m_measureTools = new MeasureTools(*m_viewport, *m_workspace, *m_measurements, this);
     addDocks();
     m_menu = new MainMenu(*this);
     addMeasureMenu(*this, *m_measureTools, *m_measurements, *m_measureDock);
     m_selectBar = new SelectBar(*this, *m_selection, *m_selectTools);
+    m_sections = new Sections(*this, *views, *m_settings);
 
     m_readOut = new QLabel;
     m_viewState = new QLabel;
@@ -135,6 +142,7 @@ MainWindow::~MainWindow()
 {
     // Jobs, then the render thread, then what they send to: nothing may arrive at half a window.
     delete m_workspace;
+    delete m_sections;
     delete m_viewport;
     delete m_renderer;
 }
@@ -185,9 +193,11 @@ void MainWindow::connectParts()
 {
     // One tool has the mouse.
     const auto showHandles = [this] {
-        m_viewport->clipFrame().showHandles(!m_measureTools->tool() &&
-                                            m_selectTools->tool() == SelectTools::Tool::None);
+        const bool free =
+            !m_measureTools->tool() && m_selectTools->tool() == SelectTools::Tool::None && !m_sections->tool().on();
+        for (Viewport* view : {m_viewport, &m_sections->viewport()}) view->clipFrame().showHandles(free);
     };
+    connect(&m_sections->tool(), &SectionTool::toggled, this, showHandles);
     connect(m_measureTools, &MeasureTools::toolChanged, this, [this, showHandles] {
         if (m_measureTools->tool()) m_selectTools->setTool(SelectTools::Tool::None);
         showHandles();
@@ -228,10 +238,12 @@ void MainWindow::connectParts()
         m_processing->updateProgress();
     });
 
-    connect(m_viewport, &Viewport::filesDropped, this, &MainWindow::openFiles);
-    connect(m_viewport, &Viewport::attributeDropped, this, &MainWindow::showAttribute);
+    for (Viewport* view : {m_viewport, &m_sections->viewport()}) {
+        connect(view, &Viewport::filesDropped, this, &MainWindow::openFiles);
+        connect(view, &Viewport::attributeDropped, this, &MainWindow::showAttribute);
+        connect(view, &Viewport::hovered, this, &MainWindow::showReadOut);
+    }
     connect(m_viewport, &Viewport::openRequested, this, &MainWindow::chooseFiles);
-    connect(m_viewport, &Viewport::hovered, this, &MainWindow::showReadOut);
     connect(m_viewport, &Viewport::frameShown, this, &MainWindow::showViewState);
     connect(m_attributes, &AttributesDock::attributeChosen, this, &MainWindow::showAttribute);
     connect(m_processing, &ProcessingDock::showAttribute, this, &MainWindow::showAttribute);

@@ -34,6 +34,7 @@ class EditDock;
 class HistoryDock;
 class SelectBar;
 class SelectTools;
+class Sections;
 class Selection;
 class ViewRenderer;
 class ViewFilter;
@@ -94,6 +95,7 @@ public:
     Selection& selection() noexcept { return *m_selection; }
     SelectTools& selectTools() noexcept { return *m_selectTools; }
     SelectBar& selectBar() noexcept { return *m_selectBar; }
+    Sections& sections() noexcept { return *m_sections; }
     EditDock& editDock() noexcept { return *m_edit; }
     HistoryDock& historyDock() noexcept { return *m_history; }
     /// Keys go to the view.
@@ -161,6 +163,7 @@ private:
     Selection* m_selection = nullptr;
     SelectTools* m_selectTools = nullptr;
     SelectBar* m_selectBar = nullptr;
+    Sections* m_sections = nullptr;
     EditDock* m_edit = nullptr;
     HistoryDock* m_history = nullptr;
     QLabel* m_readOut = nullptr;

@@ -17,6 +17,8 @@
 #include <QVariantAnimation>
 #include <QWheelEvent>
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -126,6 +128,26 @@ void Viewport::setCamera(const render::Camera& camera, bool animated)
     m_flight->start();
 }
 
+void Viewport::setFlat()
+{
+    m_flat = true;
+    setAccessibleName(tr("Section of the point cloud"));
+    setDocument(m_document, m_documents);
+}
+
+void Viewport::setCuts(std::vector<ClipPlane> cuts)
+{
+    if (cuts == m_cuts) return;
+    m_cuts = std::move(cuts);
+    sendDisplay();
+}
+
+bool Viewport::keeps(const glm::dvec3& world) const noexcept
+{
+    return std::all_of(m_cuts.begin(), m_cuts.end(),
+                       [&](const ClipPlane& cut) { return glm::dot(cut.normal, world) >= cut.distance; });
+}
+
 void Viewport::holdCamera()
 {
     m_flight->stop();
@@ -181,7 +203,7 @@ void Viewport::mousePressEvent(QMouseEvent* event)
     setFocus(Qt::MouseFocusReason);
     m_mouse = event->position();
     if (event->button() == Qt::LeftButton)
-        m_navigation.begin(Navigation::Drag::Orbit, toPicture(m_mouse));
+        m_navigation.begin(m_flat ? Navigation::Drag::Pan : Navigation::Drag::Orbit, toPicture(m_mouse));
     else if (event->button() == Qt::RightButton || event->button() == Qt::MiddleButton)
         m_navigation.begin(Navigation::Drag::Pan, toPicture(m_mouse));
     m_zoomTarget.reset();
@@ -342,6 +364,7 @@ void Viewport::sendDisplay()
 {
     render::DisplaySettings display = m_settings.display();
     display.pointSize *= m_pixelRatio;  // chosen in logical px
+    display.clip.planes.insert(display.clip.planes.end(), m_cuts.begin(), m_cuts.end());
     m_renderer.setDisplay(display);
     m_clipFrame->setBox(display.clip.box);
     updateLegend();
@@ -364,8 +387,8 @@ void Viewport::setDocument(Document* document, int documents)
         connect(document, &Document::stateChanged, this, &Viewport::updateTitle);
         connect(document, &Document::attributesChanged, this, &Viewport::updateLegend);
     }
-    m_empty->setVisible(documents == 0);
-    m_compass->setVisible(documents > 0);
+    m_empty->setVisible(documents == 0 && !m_flat);
+    m_compass->setVisible(documents > 0 && !m_flat);
     updateTitle();
     updateLegend();
     applyCamera(m_camera);
@@ -373,7 +396,7 @@ void Viewport::setDocument(Document* document, int documents)
 
 void Viewport::updateTitle()
 {
-    if (!m_document) {
+    if (!m_document || m_flat) {
         m_title->setContent({}, {});
     } else {
         QString detail = pointsText(m_document->points());
@@ -393,7 +416,7 @@ void Viewport::updateLegend()
 {
     LegendOverlay::Content content;
     const Attribute* attribute = m_document && m_frame ? m_document->findAttribute(m_frame->attribute) : nullptr;
-    if (attribute && attribute->kind != AttributeKind::Class) {
+    if (attribute && attribute->kind != AttributeKind::Class && !m_flat) {
         content.title = m_frame->attribute;
         content.unit = toQString(attribute->unit);
         switch (attribute->kind) {

@@ -9,6 +9,7 @@
 #include <QWidget>
 
 #include <optional>
+#include <vector>
 
 class QVariantAnimation;
 
@@ -41,6 +42,18 @@ public:
     Viewport(ViewRenderer& renderer, ViewSettings& settings, bool openGl, QWidget* parent = nullptr);
     ~Viewport() override;
 
+    ViewRenderer& renderer() noexcept { return m_renderer; }
+    /// An elevation: every drag moves the picture and nothing turns it; without title, legend and compass, which
+    /// the view beside it has.
+    void setFlat();
+    /// Planes that cut this view alone, beside the settings' clip.
+    void setCuts(std::vector<ClipPlane> cuts);
+    const std::vector<ClipPlane>& cuts() const noexcept { return m_cuts; }
+    /// Whether the cuts let a place be seen.
+    bool keeps(const glm::dvec3& world) const noexcept;
+    /// Unit of what the camera sees; empty: unknown.
+    QString viewUnit() const;
+
     const render::Camera& camera() const noexcept { return m_camera; }
     /// Counts what the user did to the camera: a fit by the program must not undo it.
     std::uint64_t userMoves() const noexcept { return m_userMoves; }
@@ -54,6 +67,8 @@ public:
         m_bounds = bounds;
         m_stretch = stretch;
     }
+    /// Whether it shows all, as no one has moved the camera since.
+    bool fitted() const noexcept { return m_fitted; }
     /// Shows all of it, and goes on doing so when the size changes, until the user moves the camera.
     void fit(bool animated = true) { fitTo(m_bounds, animated); }
     /// The same with a part of it.
@@ -106,7 +121,6 @@ private:
     void takeFrame();
     void sendDisplay();
     void sendSize();
-    QString viewUnit() const;
     void placeOverlays();
     void updateLegend();
     void centerOn(QPointF position);
@@ -135,6 +149,8 @@ private:
     WorldBounds m_fitBounds;  ///< what was fitted last
     std::uint64_t m_userMoves = 0;
     bool m_fitted = false;
+    bool m_flat = false;
+    std::vector<ClipPlane> m_cuts;
     double m_pixelRatio = 1.0;
 
     QPointF m_mouse;

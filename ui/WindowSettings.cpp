@@ -43,6 +43,8 @@ const QString kEyeDome = QStringLiteral("view/eyeDome");
 const QString kBands = QStringLiteral("view/bands");
 const QString kColorMap = QStringLiteral("view/colorMap");
 const QString kBackground = QStringLiteral("view/background");
+const QString kSectionWidth = QStringLiteral("section/width");
+const QString kSectionBeside = QStringLiteral("section/beside");
 const QString kRecent = QStringLiteral("files/recent");
 const QString kFolder = QStringLiteral("files/folder");
 
@@ -173,6 +175,26 @@ void WindowSettings::addRecentFile(const QString& path)
 void WindowSettings::clearRecentFiles()
 {
     set(kRecent, QStringList());
+}
+
+double WindowSettings::sectionWidth() const
+{
+    return m_values.value(kSectionWidth, 0.0).toDouble();
+}
+
+void WindowSettings::setSectionWidth(double width)
+{
+    set(kSectionWidth, width);
+}
+
+bool WindowSettings::sectionBeside() const
+{
+    return m_values.value(kSectionBeside, false).toBool();
+}
+
+void WindowSettings::setSectionBeside(bool beside)
+{
+    set(kSectionBeside, beside);
 }
 
 QString WindowSettings::folder() const

@@ -48,6 +48,12 @@ public:
     QStringList recentFiles() const;
     void addRecentFile(const QString& path);
     void clearRecentFiles();
+    /// In units of the view; 0: none was chosen yet.
+    double sectionWidth() const;
+    void setSectionWidth(double width);
+    /// Sections open beside the main view instead of below it.
+    bool sectionBeside() const;
+    void setSectionBeside(bool beside);
     /// Where dialogs begin.
     QString folder() const;
     void setFolder(const QString& folder);

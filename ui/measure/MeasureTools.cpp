@@ -13,6 +13,7 @@
 #include <QPainter>
 #include <QPainterPath>
 
+#include <algorithm>
 #include <array>
 
 namespace punctum::ui
@@ -69,7 +70,12 @@ void MeasureOverlay::paintEvent(QPaintEvent*)
 {
     QPainter painter(this);
     painter.setRenderHint(QPainter::Antialiasing);
-    for (const Measurements::Entry& entry : m_measurements.entries()) paint(painter, entry.measurement, false);
+    for (const Measurements::Entry& entry : m_measurements.entries()) {
+        const auto& points = entry.measurement.points;
+        if (std::all_of(points.begin(), points.end(),
+                        [&](const MeasuredPoint& p) { return m_viewport.keeps(p.world); }))
+            paint(painter, entry.measurement, false);
+    }
     if (m_unfinished) paint(painter, *m_unfinished, true);
 }
 
@@ -128,21 +134,22 @@ void MeasureOverlay::paint(QPainter& painter, const Measurement& m, bool unfinis
 
 // -- tools
 
-MeasureTools::MeasureTools(Viewport& viewport, ViewRenderer& renderer, Workspace& workspace,
-                           Measurements& measurements, QObject* parent)
-    : QObject(parent),
-      m_viewport(viewport),
-      m_renderer(renderer),
-      m_workspace(workspace),
-      m_measurements(measurements),
-      m_overlay(new MeasureOverlay(viewport, measurements))
+MeasureTools::MeasureTools(Viewport& viewport, Workspace& workspace, Measurements& measurements, QObject* parent)
+    : QObject(parent), m_workspace(workspace), m_measurements(measurements)
 {
-    viewport.installEventFilter(this);
-    m_overlay->setGeometry(viewport.rect());
-    connect(&viewport, &Viewport::hovered, this, &MeasureTools::follow);
+    addView(viewport);
     connect(&workspace, &Workspace::documentRemoved, this, [this](Document* document) {
         if (document == m_document) giveUp();
     });
+}
+
+void MeasureTools::addView(Viewport& viewport)
+{
+    auto* const overlay = new MeasureOverlay(viewport, m_measurements);
+    overlay->setGeometry(viewport.rect());
+    m_views.push_back({&viewport, overlay});
+    viewport.installEventFilter(this);
+    connect(&viewport, &Viewport::hovered, this, &MeasureTools::follow);
 }
 
 void MeasureTools::setTool(std::optional<MeasureKind> tool)
@@ -150,11 +157,17 @@ void MeasureTools::setTool(std::optional<MeasureKind> tool)
     if (tool == m_tool) return;
     m_tool = tool;
     giveUp();
-    if (tool)
-        m_viewport.setCursor(Qt::CrossCursor);
-    else
-        m_viewport.unsetCursor();
+    for (const View& view : m_views)
+        if (tool)
+            view.viewport->setCursor(Qt::CrossCursor);
+        else
+            view.viewport->unsetCursor();
     emit toolChanged();
+}
+
+void MeasureTools::setUnfinished(const std::optional<Measurement>& measurement)
+{
+    for (const View& view : m_views) view.overlay->setUnfinished(measurement);
 }
 
 void MeasureTools::giveUp()
@@ -162,13 +175,15 @@ void MeasureTools::giveUp()
     m_points.clear();
     m_document.clear();
     m_press.reset();
-    m_overlay->setUnfinished({});
+    setUnfinished({});
 }
 
-bool MeasureTools::eventFilter(QObject*, QEvent* event)
+bool MeasureTools::eventFilter(QObject* watched, QEvent* event)
 {
+    const View& view =
+        *std::find_if(m_views.begin(), m_views.end(), [&](const View& each) { return each.viewport == watched; });
     if (event->type() == QEvent::Resize) {
-        m_overlay->setGeometry(m_viewport.rect());
+        view.overlay->setGeometry(view.viewport->rect());
         return false;
     }
     if (!m_tool) return false;
@@ -176,7 +191,7 @@ bool MeasureTools::eventFilter(QObject*, QEvent* event)
         case QEvent::MouseButtonPress:
             return pressed(*static_cast<QMouseEvent*>(event));
         case QEvent::MouseButtonRelease:
-            return released(*static_cast<QMouseEvent*>(event));
+            return released(*view.viewport, *static_cast<QMouseEvent*>(event));
         case QEvent::MouseButtonDblClick:  // its first click took a point; the camera stays where it is
             if (m_tool == MeasureKind::Area) finish();
             return true;
@@ -200,18 +215,18 @@ bool MeasureTools::pressed(const QMouseEvent& event)
     return false;
 }
 
-bool MeasureTools::released(const QMouseEvent& event)
+bool MeasureTools::released(Viewport& viewport, const QMouseEvent& event)
 {
     const auto press = std::exchange(m_press, std::nullopt);
-    const bool click = press && glm::distance(m_viewport.toPicture(*press),
-                                              m_viewport.toPicture(event.position())) < Navigation::kTremble;
-    if (click && event.button() == Qt::LeftButton) pick(event.position());
+    const bool click = press && glm::distance(viewport.toPicture(*press), viewport.toPicture(event.position())) <
+                                    Navigation::kTremble;
+    if (click && event.button() == Qt::LeftButton) pick(viewport, event.position());
     if (click && event.button() == Qt::RightButton && m_tool == MeasureKind::Area) finish();
     // after the viewport, which takes the cursor back
     QMetaObject::invokeMethod(
         this,
-        [this] {
-            if (m_tool) m_viewport.setCursor(Qt::CrossCursor);
+        [this, &viewport] {
+            if (m_tool) viewport.setCursor(Qt::CrossCursor);
         },
         Qt::QueuedConnection);
     return false;
@@ -228,7 +243,7 @@ bool MeasureTools::keyPressed(const QKeyEvent& event)
             return true;
         case Qt::Key_Backspace:
             if (!m_points.empty()) m_points.pop_back();
-            m_overlay->setUnfinished({});
+            setUnfinished({});
             return true;
         case Qt::Key_Return:
         case Qt::Key_Enter:
@@ -239,10 +254,10 @@ bool MeasureTools::keyPressed(const QKeyEvent& event)
     }
 }
 
-void MeasureTools::pick(QPointF at)
+void MeasureTools::pick(Viewport& viewport, QPointF at)
 {
-    const glm::ivec2 px(m_viewport.toPicture(at));
-    m_renderer.pick(px.x, px.y, this, [this](const std::optional<PickedPoint>& point) {
+    const glm::ivec2 px(viewport.toPicture(at));
+    viewport.renderer().pick(px.x, px.y, this, [this](const std::optional<PickedPoint>& point) {
         if (point && m_tool) take(*point);
     });
 }
@@ -256,7 +271,7 @@ void MeasureTools::take(const PickedPoint& point)
     if (m_points.size() == pointsOf(*m_tool))
         finish();
     else
-        m_overlay->setUnfinished(Measurements::measure(*m_document, *m_tool, m_points));
+        setUnfinished(Measurements::measure(*m_document, *m_tool, m_points));
     emit pointTaken();
 }
 
@@ -265,7 +280,7 @@ void MeasureTools::follow(const std::optional<PickedPoint>& point)
     if (!m_tool || !m_document || m_points.empty()) return;
     std::vector<MeasuredPoint> points = m_points;
     if (point) points.push_back({point->index, point->world});
-    m_overlay->setUnfinished(Measurements::measure(*m_document, *m_tool, std::move(points)));
+    setUnfinished(Measurements::measure(*m_document, *m_tool, std::move(points)));
 }
 
 void MeasureTools::finish()

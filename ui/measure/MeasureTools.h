@@ -20,13 +20,12 @@ namespace punctum::ui
 
 class Document;
 class Measurements;
-class ViewRenderer;
 class Viewport;
 class Workspace;
 struct PickedPoint;
 
 /// Measurements over the picture: their points, lines and values, which stay with the points as the camera moves.
-/// Lets the mouse through. GUI thread only.
+/// Those with points that the view's cuts take away are not shown. Lets the mouse through. GUI thread only.
 class MeasureOverlay final : public QWidget
 {
     Q_OBJECT
@@ -54,19 +53,23 @@ private:
 /// takes the last point back, Enter, the right button or a double click closes an area, Escape gives up the points,
 /// then the tool.
 ///
+/// The points of one measurement may be clicked in several views.
+///
 /// GUI thread only. Borrows all it is given, which must outlive it.
 class MeasureTools final : public QObject
 {
     Q_OBJECT
 public:
-    MeasureTools(Viewport& viewport, ViewRenderer& renderer, Workspace& workspace, Measurements& measurements,
-                 QObject* parent = nullptr);
+    MeasureTools(Viewport& viewport, Workspace& workspace, Measurements& measurements, QObject* parent = nullptr);
+    /// Another view to click in.
+    void addView(Viewport& viewport);
 
     std::optional<MeasureKind> tool() const noexcept { return m_tool; }
     void setTool(std::optional<MeasureKind> tool);
     /// Points clicked and not yet part of a finished measurement.
     std::size_t pointsTaken() const noexcept { return m_points.size(); }
-    const MeasureOverlay& overlay() const noexcept { return *m_overlay; }
+    /// Of the first view.
+    const MeasureOverlay& overlay() const noexcept { return *m_views.front().overlay; }
 
     bool eventFilter(QObject* watched, QEvent* event) override;
 
@@ -76,19 +79,22 @@ signals:
 
 private:
     bool pressed(const QMouseEvent& event);
-    bool released(const QMouseEvent& event);
+    bool released(Viewport& viewport, const QMouseEvent& event);
     bool keyPressed(const QKeyEvent& event);
-    void pick(QPointF at);
+    void pick(Viewport& viewport, QPointF at);
+    void setUnfinished(const std::optional<Measurement>& measurement);
     void take(const PickedPoint& point);
     void follow(const std::optional<PickedPoint>& point);
     void finish();
     void giveUp();
 
-    Viewport& m_viewport;
-    ViewRenderer& m_renderer;
+    struct View {
+        Viewport* viewport;
+        MeasureOverlay* overlay;
+    };
+    std::vector<View> m_views;
     Workspace& m_workspace;
     Measurements& m_measurements;
-    MeasureOverlay* m_overlay;
     std::optional<MeasureKind> m_tool;
     QPointer<Document> m_document;  ///< that the points are of
     std::vector<MeasuredPoint> m_points;

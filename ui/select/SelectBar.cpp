@@ -52,6 +52,13 @@ SelectBar::SelectBar(MainWindow& window, Selection& selection, SelectTools& tool
             tr("Select with a line drawn by hand"));
     addTool(Tool::Brush, tr("&Brush"), QStringLiteral("select-brush"), Qt::Key_B,
             tr("Select by painting; the wheel changes the size of the brush"));
+    addTool(
+        Tool::AboveLine, tr("&Above a Line"), QStringLiteral("select-above"), QKeySequence(Qt::Key_A),
+        tr("Select what lies above a line, in a section above all: click its corners; Enter or the right button "
+           "ends it"));
+    addTool(Tool::BelowLine, tr("Bel&ow a Line"), QStringLiteral("select-below"),
+            QKeySequence(Qt::SHIFT | Qt::Key_A),
+            tr("Select what lies below a line: click its corners; Enter or the right button ends it"));
     addActions();
     addChoices();
 
@@ -64,16 +71,16 @@ SelectBar::SelectBar(MainWindow& window, Selection& selection, SelectTools& tool
     takeCount();
 }
 
-void SelectBar::addTool(SelectTools::Tool tool, const QString& text, const QString& icon, Qt::Key key,
+void SelectBar::addTool(SelectTools::Tool tool, const QString& text, const QString& icon, const QKeySequence& key,
                         const QString& tip)
 {
-    m_bar->addAction(m_menu.addTool(m_select, m_toolActions, int(tool), text, icon, {QKeySequence(key)}, tip,
-                                    [this, tool](bool on) {
-                                        if (on)
-                                            m_tools.setTool(tool);
-                                        else if (m_tools.tool() == tool)
-                                            m_tools.setTool(SelectTools::Tool::None);
-                                    }));
+    m_bar->addAction(
+        m_menu.addTool(m_select, m_toolActions, int(tool), text, icon, {key}, tip, [this, tool](bool on) {
+            if (on)
+                m_tools.setTool(tool);
+            else if (m_tools.tool() == tool)
+                m_tools.setTool(SelectTools::Tool::None);
+        }));
 }
 
 void SelectBar::addActions()

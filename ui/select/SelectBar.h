@@ -33,7 +33,8 @@ public:
     QString countText() const;
 
 private:
-    void addTool(SelectTools::Tool tool, const QString& text, const QString& icon, Qt::Key key, const QString& tip);
+    void addTool(SelectTools::Tool tool, const QString& text, const QString& icon, const QKeySequence& key,
+                 const QString& tip);
     void addActions();
     void saveSelected();
     void addChoices();

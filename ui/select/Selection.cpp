@@ -73,13 +73,15 @@ PointIndex Selection::hiddenCount() const
     return found == m_states.end() ? 0 : found->second.hidden;
 }
 
-std::function<Touchable(const PointCloud&, Progress&)> Selection::touchable() const
+std::function<Touchable(const PointCloud&, Progress&)> Selection::touchable(
+    const std::vector<ClipPlane>& cuts) const
 {
     Touchable touchable;
     for (unsigned code = 0; code < 256; ++code) touchable.classes[code] = !m_settings.classLocked(code);
     const Document* const document = active();
-    return [touchable, visibility = document ? m_filter.visibility(*document) : Visibility()](
-               const PointCloud& cloud, Progress& progress) {
+    Visibility visibility = document ? m_filter.visibility(*document) : Visibility();
+    visibility.clip.planes.insert(visibility.clip.planes.end(), cuts.begin(), cuts.end());
+    return [touchable, visibility = std::move(visibility)](const PointCloud& cloud, Progress& progress) {
         Touchable all = touchable;
         all.hidden = hiddenPoints(cloud, visibility, progress);
         return all;
@@ -88,10 +90,12 @@ std::function<Touchable(const PointCloud&, Progress&)> Selection::touchable() co
 
 // -- shapes
 
-void Selection::begin(SelectMode mode)
+void Selection::begin(SelectMode mode, ViewRenderer* view, std::vector<ClipPlane> cuts)
 {
     m_drawing = true;
     m_drawMode = mode;
+    m_drawView = view;
+    m_drawCuts = std::move(cuts);
     m_base = std::make_shared<Base>();
 }
 
@@ -123,9 +127,10 @@ void Selection::askShape(ScreenMask mask, bool live)
     task.title = tr("Select");
     task.live = live;
     task.base = m_base;
+    task.view = m_drawView;
     task.work = [mask = std::move(mask), mode = m_drawMode, depth = m_depth, slab = m_slab,
-                 touchable = touchable()](const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view,
-                                          Progress& progress) {
+                 touchable = touchable(m_drawCuts)](const std::shared_ptr<const PointSet>& before,
+                                                    const ViewSnapshot& view, Progress& progress) {
         Region region;
         region.mask = mask;
         region.projection = view.projection;
@@ -275,16 +280,19 @@ void Selection::startNext()
         return;
     }
     m_waiting = true;
-    m_renderer.snapshot(
-        document->cloud(), this,
-        [this, target = QPointer<Document>(document)](const std::shared_ptr<const ViewSnapshot>& view) {
-            m_waiting = false;
-            if (m_tasks.empty()) return;
-            Task task = std::move(m_tasks.front());
-            m_tasks.pop_front();
-            if (target && view && target == active()) run(view, *target, std::move(task));
-            startNext();
-        });
+    ViewRenderer* const asked = m_tasks.front().view;
+    (asked ? *asked : m_renderer)
+        .snapshot(
+            document->cloud(), this,
+            [this, asked, target = QPointer<Document>(document)](const std::shared_ptr<const ViewSnapshot>& view) {
+                m_waiting = false;
+                if (m_tasks.empty()) return;
+                if (m_tasks.front().view != asked) return startNext();  // another took its place, drawn elsewhere
+                Task task = std::move(m_tasks.front());
+                m_tasks.pop_front();
+                if (target && view && target == active()) run(view, *target, std::move(task));
+                startNext();
+            });
 }
 
 void Selection::run(const std::shared_ptr<const ViewSnapshot>& view, Document& document, Task task)

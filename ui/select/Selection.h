@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/cloud/Visibility.h"
 #include "core/select/Selecting.h"
 #include "core/task/Jobs.h"
 
@@ -12,6 +13,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <vector>
 
 namespace punctum::ui
 {
@@ -59,8 +61,9 @@ public:
     bool busy() const noexcept { return m_job != 0 || m_waiting || !m_tasks.empty(); }
 
     // -- what tools draw
-    /// What is selected now is what shapes are put together with, until finish() or abandon().
-    void begin(SelectMode mode);
+    /// What is selected now is what shapes are put together with, until finish() or abandon(). Shapes are drawn in
+    /// `view`, of whose points those that `cuts` leave are meant; null: the main view.
+    void begin(SelectMode mode, ViewRenderer* view = nullptr, std::vector<ClipPlane> cuts = {});
     bool drawing() const noexcept { return m_drawing; }
     /// The shape so far; shown as soon as it is worked out.
     void draw(ScreenMask mask);
@@ -105,6 +108,7 @@ private:
         Work work;
         bool live = false;  ///< may be left out when a newer one has come
         std::shared_ptr<Base> base;
+        ViewRenderer* view = nullptr;  ///< whose picture counts; null: the main one's
     };
 
     Document* active() const;
@@ -114,7 +118,7 @@ private:
     void run(const std::shared_ptr<const ViewSnapshot>& view, Document& document, Task task);
     void publish(Document& document, State state);
     /// Asked in the GUI thread; gives what says in a job which points may be touched.
-    std::function<Touchable(const PointCloud&, Progress&)> touchable() const;
+    std::function<Touchable(const PointCloud&, Progress&)> touchable(const std::vector<ClipPlane>& cuts = {}) const;
     /// A question whose answer is put together with the selection by the mode.
     void askFound(const QString& title, std::function<PointSet(const PointCloud&, Progress&)> find);
     /// One that makes another selection of the present one, looking at neighbors.
@@ -132,6 +136,8 @@ private:
     bool m_drawing = false;
     SelectMode m_drawMode = SelectMode::Replace;
     std::shared_ptr<Base> m_base;  ///< of the drawing
+    ViewRenderer* m_drawView = nullptr;
+    std::vector<ClipPlane> m_drawCuts;
     std::deque<Task> m_tasks;
     bool m_waiting = false;  ///< for the picture to be finished
     JobId m_job = 0;

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/cloud/Section.h"
+#include "core/task/Jobs.h"
+
+#include <QObject>
+#include <QPointer>
+#include <QTimer>
+
+#include <memory>
+#include <optional>
+
+class QSplitter;
+
+namespace punctum::ui
+{
+
+class Document;
+class MainWindow;
+class PointMark;
+class SectionBand;
+class SectionPane;
+class SectionRuler;
+class SectionTool;
+class ViewRenderer;
+class Viewport;
+class WindowSettings;
+
+/// The section view: its tool and menu, the pane below or beside the main view, and how it walks. Whatever is
+/// chosen to be seen holds for both views; tools work in both; a point under the mouse in one is marked in the
+/// other.
+///
+/// GUI thread only. Brings a second view of the renderer, which is off while no section is open. Delete it before
+/// the window's main view.
+class Sections final : public QObject
+{
+    Q_OBJECT
+public:
+    Sections(MainWindow& window, QSplitter& splitter, WindowSettings& settings);
+    ~Sections() override;
+
+    /// None: no section is open.
+    const std::optional<Section>& section() const noexcept { return m_section; }
+    /// Shows a section that is usable(); the heights are those of its ends.
+    void open(const Section& section, double fromHeight, double toHeight);
+    void close();
+    void setWidth(double width);
+    void setExaggeration(double times);
+    /// In widths, ahead or back.
+    void walk(double steps);
+    void turn();
+    /// Shows the whole section.
+    void fit();
+
+    /// Its points have changed and are not counted yet.
+    bool counting() const { return m_job != 0 || m_countTimer.isActive(); }
+
+    SectionTool& tool() noexcept { return *m_tool; }
+    SectionPane& pane() noexcept { return *m_pane; }
+    Viewport& viewport() noexcept;
+    const SectionBand& band() const noexcept { return *m_band; }
+    /// Of the main view, and of the section.
+    const PointMark& mainMark() const noexcept { return *m_mainMark; }
+    const PointMark& sectionMark() const noexcept { return *m_sectionMark; }
+
+    bool eventFilter(QObject* watched, QEvent* event) override;
+
+private:
+    void addMenu();
+    void linkPoints();
+    void draw(const glm::dvec3& from, const glm::dvec3& to);
+    void change(const std::optional<Section>& section);
+    void show();
+    void place(bool beside);
+    void count();
+    void take(const ShownHeights& found);
+    double shownWidth(double length) const;
+
+    MainWindow& m_window;
+    QSplitter& m_splitter;
+    WindowSettings& m_settings;
+    std::unique_ptr<ViewRenderer> m_renderer;
+    SectionPane* m_pane;
+    SectionBand* m_band;
+    SectionTool* m_tool;
+    SectionRuler* m_ruler;
+    PointMark* m_mainMark;
+    PointMark* m_sectionMark;
+    std::optional<Section> m_section;
+    QPointer<Document> m_document;  ///< the one that was active when it was drawn
+    double m_fromHeight = 0.0, m_toHeight = 0.0;
+    std::optional<PointIndex> m_points;  ///< in the section, once they are counted
+    double m_low = 0.0, m_high = 0.0;    ///< heights (world) that the view shows when it is fitted
+    bool m_heightsKnown = false;         ///< of the section as it was drawn
+    double m_exaggeration = 1.0;
+    QTimer m_countTimer;
+    JobId m_job = 0;
+};
+
+}  // namespace punctum::ui
