@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: MIT
-// punctum bench select: how long a polygon takes through all points, and a rule; and until the picture shows it.
+// punctum bench select: how long a polygon takes through all points, and a rule; until the picture shows it; and
+// what a stroke of the brush costs the frames that are drawn meanwhile.
 #include "app/commands/Bench.h"
 #include "core/expression/Condition.h"
 #include "core/select/Selecting.h"
 #include "core/task/Progress.h"
 
+#include <chrono>
 #include <cmath>
+#include <future>
+#include <memory>
 #include <numbers>
+#include <thread>
+#include <utility>
+#include <vector>
 
 namespace punctum::app
 {
@@ -17,6 +24,8 @@ namespace
 constexpr int kWidth = 1280;
 constexpr int kHeight = 800;
 constexpr double kFrameSeconds = 0.0166;
+constexpr double kStrokeSeconds = 2.0;
+constexpr double kBrushRadius = 24.0;  // px
 constexpr const char* kRule = "Classification == 2 and Intensity < 1000";
 
 /// A star of twelve corners in the middle of the picture.
@@ -30,6 +39,52 @@ ScreenMask star()
     ScreenMask mask(kWidth, kHeight);
     mask.addPolygon(corners);
     return mask;
+}
+
+/// The hand goes round. As in the window, a thread of its own finds the points of the stroke so far, again and
+/// again, and what it found is shown in the next frame.
+void measureBrush(render::ProgressiveRenderer& renderer, const PointCloud& cloud, Figures& figures,
+                  Progress& progress)
+{
+    using namespace std::chrono_literals;
+    ScreenMask stroke(kWidth, kHeight);
+    glm::dvec2 last(kWidth * 0.75, kHeight / 2.0);
+    std::future<std::shared_ptr<const PointSet>> job;
+    double asked = 0;  // when the job began, on the clock
+    std::vector<double> frames, behind;
+    const Clock clock;
+    for (double now = 0; now < kStrokeSeconds; now = clock.seconds()) {
+        progress.check();
+        const double angle = now / kStrokeSeconds * 2 * std::numbers::pi;
+        const glm::dvec2 hand(kWidth * (0.5 + 0.25 * std::cos(angle)), kHeight * (0.5 + 0.3 * std::sin(angle)));
+        stroke.addStroke(std::exchange(last, hand), hand, kBrushRadius);
+
+        const Clock frame;
+        const bool found = job.valid() && job.wait_for(0s) == std::future_status::ready;
+        if (found) renderer.setSelection(cloud, job.get());
+        const bool drawn = !renderer.converged();
+        renderer.renderFrame(kFrameSeconds);
+        if (found) behind.push_back((clock.seconds() - asked) * 1e3);
+        if (!job.valid() && renderer.converged()) {
+            asked = clock.seconds();
+            job = std::async(std::launch::async,
+                             [&, region = Region{stroke, renderer.projectionOf(cloud)},
+                              visible = renderer.visiblePoints(cloud)]() -> std::shared_ptr<const PointSet> {
+                                 const auto points =
+                                     std::make_shared<PointSet>(pointsIn(region, cloud, {}, progress));
+                                 countWithout(*points, visible);
+                                 return points;
+                             });
+        }
+        if (drawn) frames.push_back(frame.milliseconds());
+        std::this_thread::sleep_for(std::chrono::duration<double>(kFrameSeconds - frame.seconds()));
+    }
+    if (job.valid()) job.get();
+    figures.add("brush.frame_ms", median(frames));
+    figures.add("brush.frame_ms_p95", percentile(frames, 0.95));
+    figures.add("brush.behind_ms", median(behind));
+    renderer.setSelection(cloud, nullptr);
+    drawAll(renderer, false, progress);
 }
 
 void runBenchSelect(const BenchOptions& options, Progress& progress)
@@ -68,6 +123,7 @@ void runBenchSelect(const BenchOptions& options, Progress& progress)
         const expression::Condition rule(kRule, cloud);
         expression::select(cloud, rule, progress);
         figures.add("rule_mpts_per_s", double(cloud.size()) / clock.seconds() * 1e-6);
+        measureBrush(renderer, cloud, figures, progress);
     }
     figures.report(options);
 }
@@ -76,8 +132,9 @@ void runBenchSelect(const BenchOptions& options, Progress& progress)
 
 void addBenchSelect(CLI::App& bench, Action& action)
 {
-    CLI::App& command = addCommand(
-        bench, "select", "Selecting by a polygon through all points, and by a rule; and until it is shown");
+    CLI::App& command =
+        addCommand(bench, "select",
+                   "Selecting by a polygon through all points, by a rule and by the brush; and until it is shown");
     const auto options = std::make_shared<BenchOptions>();
     addBenchOptions(command, *options);
     command.callback([options, &action] { action = [options](Progress& p) { runBenchSelect(*options, p); }; });

@@ -35,7 +35,7 @@ constexpr PointIndex kStreamPoints = 1 << 19;
 /// two cores in frames of less than 33 ms.
 constexpr double kStreamSeconds = 0.004;
 /// Of a frame in which nothing but streaming happens, as all that is visible is up to date.
-constexpr double kStreamAlone = 0.025;
+constexpr double kStreamAlone = 0.020;
 
 /// A frame always draws at least so many slots, whatever its time: it must come on.
 constexpr Slot kLeastRun = 65'536;
