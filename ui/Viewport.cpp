@@ -456,7 +456,10 @@ void Viewport::placeOverlays()
     m_title->move(kEdge, kEdge);
     m_compass->resize(m_compass->sizeHint());
     m_compass->move(kEdge, height() - m_compass->height() - kEdge);
-    m_legend->move(width() - m_legend->width() - kEdge, height() - m_legend->height() - kEdge);
+    // Beside the compass where there is room, else above it.
+    const int legendLeft = width() - m_legend->width() - kEdge;
+    const int legendBottom = legendLeft > m_compass->geometry().right() ? height() : m_compass->y();
+    m_legend->move(legendLeft, legendBottom - m_legend->height() - kEdge);
     // Beside the title where there is room, else under it.
     const int free = width() - 2 * kEdge;
     const int right = m_title->isVisible() ? m_title->geometry().right() + kEdge : kEdge;

@@ -39,7 +39,7 @@ class SectionBand final : public ViewLayer
     Q_OBJECT
 public:
     using ViewLayer::ViewLayer;
-    /// `low`, `high`: heights (world) of its two ends; none: no section.
+    /// With the heights (world) of its two ends; none: no section.
     void setSection(const std::optional<Section>& section, double fromHeight = 0.0, double toHeight = 0.0);
     /// A line that is being drawn, instead of the section.
     void setDraft(const std::optional<std::pair<glm::dvec3, glm::dvec3>>& line);

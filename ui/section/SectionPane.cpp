@@ -23,6 +23,7 @@ constexpr int kFieldWidth = 92;  // px
 
 SectionPane::SectionPane(ViewRenderer& renderer, ViewSettings& settings, bool openGl, QWidget* parent)
     : QWidget(parent),
+      m_bar(new QBoxLayout(QBoxLayout::LeftToRight)),
       m_title(new QLabel),
       m_width(new QDoubleSpinBox),
       m_exaggeration(new QDoubleSpinBox),
@@ -30,7 +31,6 @@ SectionPane::SectionPane(ViewRenderer& renderer, ViewSettings& settings, bool op
 {
     m_viewport->setFlat();
     m_title->setTextFormat(Qt::PlainText);
-    m_title->setMinimumWidth(0);
     m_title->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
 
     m_width->setRange(0.01, 1e6);
@@ -52,9 +52,7 @@ SectionPane::SectionPane(ViewRenderer& renderer, ViewSettings& settings, bool op
 
     for (QDoubleSpinBox* field : {m_width, m_exaggeration}) field->setMaximumWidth(kFieldWidth);
     auto* const row = new QHBoxLayout;
-    row->setContentsMargins(10, 4, 6, 4);
     row->setSpacing(4);
-    row->addWidget(m_title, 1);
     row->addWidget(dimLabel(tr("Width")));
     row->addWidget(m_width);
     row->addSpacing(6);
@@ -79,11 +77,15 @@ SectionPane::SectionPane(ViewRenderer& renderer, ViewSettings& settings, bool op
     auto* const column = new QVBoxLayout(this);
     column->setContentsMargins(0, 0, 0, 0);
     column->setSpacing(0);
-    column->addLayout(row);
+    m_bar->setContentsMargins(10, 4, 6, 4);
+    m_bar->setSpacing(4);
+    m_bar->addWidget(m_title, 1);
+    m_bar->addLayout(row);
+    column->addLayout(m_bar);
     column->addWidget(m_viewport, 1);
 }
 
-QToolButton* SectionPane::addButton(QHBoxLayout& row, const QString& icon, const QString& tip)
+QToolButton* SectionPane::addButton(QBoxLayout& row, const QString& icon, const QString& tip)
 {
     auto* const button = new QToolButton;
     button->setIcon(lineIcon(icon));
@@ -93,6 +95,11 @@ QToolButton* SectionPane::addButton(QHBoxLayout& row, const QString& icon, const
     button->setFocusPolicy(Qt::TabFocus);
     row.addWidget(button);
     return button;
+}
+
+void SectionPane::setNarrow(bool narrow)
+{
+    m_bar->setDirection(narrow ? QBoxLayout::TopToBottom : QBoxLayout::LeftToRight);
 }
 
 void SectionPane::setTitle(const QString& title)

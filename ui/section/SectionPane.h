@@ -4,7 +4,7 @@
 #include <QWidget>
 
 class QDoubleSpinBox;
-class QHBoxLayout;
+class QBoxLayout;
 class QLabel;
 class QToolButton;
 
@@ -24,6 +24,8 @@ public:
     SectionPane(ViewRenderer& renderer, ViewSettings& settings, bool openGl, QWidget* parent = nullptr);
 
     Viewport& viewport() noexcept { return *m_viewport; }
+    /// Beside the main view: the title stands above the fields instead of before them.
+    void setNarrow(bool narrow);
     void setTitle(const QString& title);
     QString title() const;
     void setWidth(double width, const QString& unit);
@@ -44,8 +46,9 @@ signals:
     void closeWanted();
 
 private:
-    QToolButton* addButton(QHBoxLayout& row, const QString& icon, const QString& tip);
+    QToolButton* addButton(QBoxLayout& row, const QString& icon, const QString& tip);
 
+    QBoxLayout* m_bar;
     QLabel* m_title;
     QDoubleSpinBox* m_width;
     QDoubleSpinBox* m_exaggeration;

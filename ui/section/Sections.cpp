@@ -43,7 +43,7 @@ constexpr int kCountPause = 150;       // ms without a change, then points are c
 constexpr double kMainShare = 0.62;    // of the window, when the pane first opens
 constexpr double kLeastHeight = 1e-3;  // of the line's length: flat sections have a height, too
 
-/// Lengths as one reads them: three decimals at most, none that is 0.
+/// Lengths as one reads them: four digits, from 1000 on all before the point.
 QString lengthText(double length, const QString& unit)
 {
     const QString number = QString::number(length, 'g', length < 1000.0 ? 4 : 7);
@@ -242,6 +242,7 @@ void Sections::close()
 void Sections::place(bool beside)
 {
     m_splitter.setOrientation(beside ? Qt::Horizontal : Qt::Vertical);
+    m_pane->setNarrow(beside);
 }
 
 void Sections::change(const std::optional<Section>& section)
