@@ -106,8 +106,8 @@ struct ViewRenderer::Thread {
         bool loading = true;
     };
 
-    render::EglContext
-        context;  // before the pictures: the first one's backend needs it to the end; empty on the CPU
+    // Before the pictures: the first one's backend needs it to the end. Empty on the CPU.
+    render::EglContext context;
     std::vector<std::unique_ptr<Picture>> pictures;  ///< the first view's first
     render::BackendKind kind = render::BackendKind::Cpu;
     FastestBackend fastest;
@@ -178,19 +178,19 @@ ViewRenderer::~ViewRenderer()
         m_thread.join();
         return;
     }
-    std::promise<void> forgotten;
+    const auto forgotten = std::make_shared<std::promise<void>>();
     {
         const std::lock_guard lock(m_first.m_mutex);
         std::erase(m_first.m_views, this);
     }
-    post([this, &forgotten](Thread& thread) {
+    post([this, forgotten](Thread& thread) {
         const auto own = std::find_if(thread.pictures.begin(), thread.pictures.end(),
                                       [this](const auto& picture) { return picture->view == this; });
         (*own)->refuse();
         thread.pictures.erase(own);
-        forgotten.set_value();
+        forgotten->set_value();
     });
-    forgotten.get_future().wait();
+    forgotten->get_future().wait();
 }
 
 // -- the GUI thread's side

@@ -37,7 +37,8 @@ RawBounds rawInside(const WorldBounds& box, const CoordinateScale& coordinates) 
     return raw;
 }
 
-std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility& visibility, Progress& progress)
+std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility& visibility, Progress& progress,
+                                       const PointSet* among)
 {
     const bool allClasses = std::all_of(visibility.classVisible.begin(), visibility.classVisible.end(),
                                         [](bool visible) { return visible; });
@@ -56,6 +57,7 @@ std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
         std::uint32_t codes[64];
         for (std::size_t w = firstWord; w != lastWord; ++w) {
+            if (among != nullptr && among->words()[w] == 0) continue;
             const PointRange range{w * 64, std::min<PointIndex>(cloud.size(), w * 64 + 64)};
             std::uint64_t hidden = 0;
             if (visibility.filtered && w < visibility.filtered->words().size())

@@ -47,7 +47,8 @@ struct Visibility {
 };
 
 /// All points that it hides, in parallel; null when it hides none. Takes cloud.mutex() shared for some 20 ms at a
-/// time. Throws Cancelled.
-std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility& visibility, Progress& progress);
+/// time. Throws Cancelled. `among`: only points near these are looked at, and others may be missing; null: all.
+std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility& visibility, Progress& progress,
+                                       const PointSet* among = nullptr);
 
 }  // namespace punctum

@@ -81,6 +81,11 @@ void VisibilityTest::hidesWhatItSays()
         count += expected;
     }
     QCOMPARE(hidden->count(), count);
+    PointSet few(cloud->size());
+    for (PointIndex i = 7; i < cloud->size(); i += 1000) few.insert(i);
+    const auto amongFew = hiddenPoints(*cloud, v, progress, &few);
+    few.forEach([&](PointIndex i) { QCOMPARE(amongFew->contains(i), hidden->contains(i)); });
+    QVERIFY(amongFew->count() < count);
     QVERIFY(count > 0 && count < cloud->size());
 }
 

@@ -22,6 +22,7 @@ private Q_SLOTS:
     void theFastestIsMeasuredOnce();
     void backendsChangeWhileDrawing();
     void theCpuGoesOnWhenOpenGlFails();
+    void viewsBesideEachOther_data();
     void viewsBesideEachOther();
 
 private:
@@ -125,10 +126,19 @@ void ViewRendererTest::theCpuGoesOnWhenOpenGlFails()
     }
 }
 
+void ViewRendererTest::viewsBesideEachOther_data()
+{
+    QTest::addColumn<BackendKind>("kind");
+    for (const BackendKind kind : render::kBackendKinds) QTest::addRow("%s", nameOf(kind).data()) << kind;
+}
+
 // Two views of one store: whatever is told, both become what a renderer with a store of its own draws at once.
+// Pictures of devices are not compared, as they may differ by single pixels.
 void ViewRendererTest::viewsBesideEachOther()
 {
-    View view(BackendKind::Cpu);
+    QFETCH(BackendKind, kind);
+    if (render::needsGl(kind) && !m_haveGl) QSKIP("This machine has no OpenGL.");
+    View view(kind);
     ViewRenderer other(view.renderer);
     const WorldBounds box = view.cloud->coordinates().toWorld(view.cloud->computeBounds());
     render::DisplaySettings display, cut;
@@ -172,7 +182,8 @@ void ViewRendererTest::viewsBesideEachOther()
         const render::Image first = expected(top, display, 400, 300), second = expected(side, cut, 300, 200);
         const auto same = [&] {
             const auto a = view.renderer.frame(), b = other.frame();
-            return a && b && a->report.converged && b->report.converged && a->image == first && b->image == second;
+            return a && b && a->report.converged && b->report.converged && b->image == second &&
+                   (kind != BackendKind::Cpu || a->image == first);
         };
         return QTest::qWaitFor(same, 20'000) ? QByteArray() : QByteArray(what);
     };

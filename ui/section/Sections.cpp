@@ -105,7 +105,11 @@ Sections::Sections(MainWindow& window, QSplitter& splitter, WindowSettings& sett
     connect(&workspace, &Workspace::documentLoaded, this, countLater);
     connect(&workspace, &Workspace::cloudChanged, this, countLater);
     connect(&m_window.viewFilter(), &ViewFilter::changed, this, countLater);
-    connect(&m_window.viewSettings(), &ViewSettings::changed, this, countLater);
+    const ViewSettings& view = m_window.viewSettings();
+    connect(&view, &ViewSettings::changed, this, [this, &view, countLater] {
+        if (view.display().classVisible != m_countedClasses || !(view.display().clip == m_countedClip))
+            countLater();
+    });
 }
 
 Sections::~Sections()
@@ -337,6 +341,8 @@ void Sections::count()
     if (!m_section) return;
     Workspace& workspace = m_window.workspace();
     if (m_job != 0) workspace.cancel(m_job);
+    m_countedClasses = m_window.viewSettings().display().classVisible;
+    m_countedClip = m_window.viewSettings().display().clip;
     std::vector<std::pair<std::shared_ptr<const PointCloud>, Visibility>> clouds;
     const auto sides = m_section->sides();
     for (const Document* document : workspace.documents()) {

@@ -8,6 +8,7 @@
 #include <QPointer>
 #include <QTimer>
 
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -94,6 +95,8 @@ private:
     double m_low = 0.0, m_high = 0.0;    ///< heights (world) that the view shows when it is fitted
     bool m_heightsKnown = false;         ///< of the section as it was drawn
     double m_exaggeration = 1.0;
+    std::array<bool, 256> m_countedClasses{};  ///< that were shown when points were counted last ...
+    Clip m_countedClip;                        ///< ... and where
     QTimer m_countTimer;
     JobId m_job = 0;
 };

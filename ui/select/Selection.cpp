@@ -73,7 +73,7 @@ PointIndex Selection::hiddenCount() const
     return found == m_states.end() ? 0 : found->second.hidden;
 }
 
-std::function<Touchable(const PointCloud&, Progress&)> Selection::touchable(
+std::function<Touchable(const PointCloud&, const PointSet& among, Progress&)> Selection::touchable(
     const std::vector<ClipPlane>& cuts) const
 {
     Touchable touchable;
@@ -81,9 +81,10 @@ std::function<Touchable(const PointCloud&, Progress&)> Selection::touchable(
     const Document* const document = active();
     Visibility visibility = document ? m_filter.visibility(*document) : Visibility();
     visibility.clip.planes.insert(visibility.clip.planes.end(), cuts.begin(), cuts.end());
-    return [touchable, visibility = std::move(visibility)](const PointCloud& cloud, Progress& progress) {
+    return [touchable, visibility = std::move(visibility)](const PointCloud& cloud, const PointSet& among,
+                                                           Progress& progress) {
         Touchable all = touchable;
-        all.hidden = hiddenPoints(cloud, visibility, progress);
+        all.hidden = hiddenPoints(cloud, visibility, progress, &among);
         return all;
     };
 }
@@ -138,7 +139,8 @@ void Selection::askShape(ScreenMask mask, bool live)
             region.nearest = view.pivotDepth - slab / 2;
             region.furthest = view.pivotDepth + slab / 2;
         }
-        PointSet found = pointsIn(region, *view.cloud, touchable(*view.cloud, progress), progress);
+        PointSet found = pointsIn(region, *view.cloud, {}, progress);
+        keepTouchable(found, *view.cloud, touchable(*view.cloud, found, progress), progress);
         if (depth == Depth::Visible) combine(found, *view.visible, SelectMode::Intersect);
         PointSet all = before && mode != SelectMode::Replace ? *before : PointSet(found.size());
         combine(all, found, mode);
@@ -156,7 +158,7 @@ void Selection::askFound(const QString& title, std::function<PointSet(const Poin
     task.work = [mode = m_mode, touchable = touchable(), find = std::move(find)](
                     const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view, Progress& progress) {
         PointSet found = find(*view.cloud, progress);
-        keepTouchable(found, *view.cloud, touchable(*view.cloud, progress), progress);
+        keepTouchable(found, *view.cloud, touchable(*view.cloud, found, progress), progress);
         PointSet all = before && mode != SelectMode::Replace ? *before : PointSet(found.size());
         combine(all, found, mode);
         return all;
@@ -174,7 +176,7 @@ void Selection::askNeighbors(const QString& title,
                     const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view, Progress& progress) {
         const KdOrder order(*view.cloud, progress);
         PointSet all = change(*before, order, progress);
-        keepTouchable(all, *view.cloud, touchable(*view.cloud, progress), progress);
+        keepTouchable(all, *view.cloud, touchable(*view.cloud, all, progress), progress);
         return all;
     };
     ask(std::move(task));
@@ -205,7 +207,7 @@ void Selection::invert()
                                           Progress& progress) {
         PointSet all = before ? *before : PointSet(view.cloud->size());
         all.invert();
-        keepTouchable(all, *view.cloud, touchable(*view.cloud, progress), progress);
+        keepTouchable(all, *view.cloud, touchable(*view.cloud, all, progress), progress);
         return all;
     };
     ask(std::move(task));

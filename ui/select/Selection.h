@@ -117,8 +117,9 @@ private:
     void startNext();
     void run(const std::shared_ptr<const ViewSnapshot>& view, Document& document, Task task);
     void publish(Document& document, State state);
-    /// Asked in the GUI thread; gives what says in a job which points may be touched.
-    std::function<Touchable(const PointCloud&, Progress&)> touchable(const std::vector<ClipPlane>& cuts = {}) const;
+    /// Asked in the GUI thread; gives what says in a job which points of a set may be touched.
+    std::function<Touchable(const PointCloud&, const PointSet& among, Progress&)> touchable(
+        const std::vector<ClipPlane>& cuts = {}) const;
     /// A question whose answer is put together with the selection by the mode.
     void askFound(const QString& title, std::function<PointSet(const PointCloud&, Progress&)> find);
     /// One that makes another selection of the present one, looking at neighbors.
