@@ -81,6 +81,8 @@ void showShortcutsPage(QWidget* parent, const std::vector<MainMenu::Shortcut>& s
         {QObject::tr("Right or middle drag"), QObject::tr("Move the view sideways")},
         {QObject::tr("Wheel"), QObject::tr("Zoom to what is under the cursor")},
         {QObject::tr("Double-click or middle click"), QObject::tr("Make this point the pivot")},
+        {QObject::tr("Arrow keys"), QObject::tr("Walk the section that is open")},
+        {QObject::tr("Ctrl and wheel over a section"), QObject::tr("Width of the section")},
         {QObject::tr("Drop an attribute"), QObject::tr("Color the points by it")},
         {QObject::tr("Drop files"), QObject::tr("Open them")},
     };
