@@ -202,10 +202,9 @@ void MainMenu::makeView()
     };
     m_round = flag(tr("&Round Points"), {}, tr("Points are circles instead of squares"),
                    [&settings](bool on) { settings.setRound(on); });
-    m_averaged =
-        flag(tr("A&verage Near Points"), {},
-             tr("Each pixel shows the mean color of all points near its front: less noise; drawn by the CPU"),
-             [&settings](bool on) { settings.setAveraged(on); });
+    m_averaged = flag(tr("A&verage Near Points"), {},
+                      tr("Each pixel shows the mean color of all points near its front: less noise"),
+                      [&settings](bool on) { settings.setAveraged(on); });
     QMenu* samples = menu->addMenu(tr("S&amples a Pixel"));
     m_samples = new QActionGroup(this);
     choice(samples, m_samples, tr("&1, fast"), 1);

@@ -437,7 +437,6 @@ void ViewRenderer::applyChoice(Thread& thread)
     using render::BackendKind;
     BackendKind kind = thread.chosen.value_or(thread.fastest.device ? thread.fastest.kind : BackendKind::Cpu);
     const auto& renderer = thread.first().renderer;
-    if (renderer && renderer->display().averaged) kind = BackendKind::Cpu;  // it alone averages
     if (renderer && thread.wanted == kind) return;
     thread.wanted = kind;
     if (!renderer || thread.kind != kind) useBackend(thread, kind);
@@ -508,10 +507,7 @@ void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBacken
             if (wish.camera) picture.known.camera = wish.camera;
             if (wish.display) picture.known.display = wish.display;
             if (!picture.renderer) continue;  // it could not be made
-            guarded(picture, [&, &wish = wish] {
-                picture.apply(wish);
-                if (wish.display && &picture == &thread.first()) applyChoice(thread);
-            });
+            guarded(picture, [&, &wish = wish] { picture.apply(wish); });
             moved = moved || wish.camera;
         }
         const bool loading = thread.loading();

@@ -187,8 +187,6 @@ void runRender(const RenderRequest& request, Progress& progress)
     if (points == 0) throw Error(options.files.front(), "There is no point to draw.");
 
     render::ProgressiveRenderer& renderer = headless.renderer();
-    if (options.average && !renderer.backend().averages())
-        throw Error("Only the backend cpu averages colors. Leave out --average or choose --backend cpu.");
     render::DisplaySettings display;
     if (!options.attribute.empty()) display.attribute = findAttribute(clouds, options.attribute);
     display.colorMap = options.colorMap;
@@ -332,7 +330,7 @@ void addRender(CLI::App& root, Action& action)
         ->excludes(worldSize);
     command.add_flag("--round", options->round, "Points are circles instead of squares, where wider than 1.5 px");
     command.add_flag("--average", options->average,
-                     "Show the mean color of the points within 1 % of the nearest one's depth: less noise (cpu)");
+                     "Show the mean color of the points within 1 % of the nearest one's depth: less noise");
     command.add_option("--normals", options->normals, "Directions as lit surfaces or as colors: lit, colors")
         ->type_name("LOOK")
         ->check(CLI::IsMember({"lit", "colors"}));

@@ -17,6 +17,9 @@ namespace
 constexpr GLenum kCaps[] = {GL_DEPTH_TEST,  GL_BLEND,  GL_SCISSOR_TEST, GL_PROGRAM_POINT_SIZE,
                             GL_MULTISAMPLE, GL_DITHER, GL_STENCIL_TEST, GL_FRAMEBUFFER_SRGB};
 
+constexpr GLenum kBlend[] = {GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA, GL_BLEND_SRC_RGB,
+                             GL_BLEND_DST_RGB,      GL_BLEND_SRC_ALPHA,      GL_BLEND_DST_ALPHA};
+
 std::string join(std::initializer_list<std::string_view> pieces)
 {
     std::string text;
@@ -233,6 +236,7 @@ GlStateGuard::GlStateGuard()
     glGetIntegerv(GL_ACTIVE_TEXTURE, &m_activeTexture);
     glGetIntegerv(GL_PACK_ALIGNMENT, &m_packAlignment);
     glGetIntegerv(GL_PACK_ROW_LENGTH, &m_packRowLength);
+    for (std::size_t i = 0; i < std::size(kBlend); ++i) glGetIntegerv(kBlend[i], &m_blend[i]);
     glGetBooleanv(GL_DEPTH_WRITEMASK, &m_depthMask);
     glGetBooleanv(GL_COLOR_WRITEMASK, m_colorMask);
     for (std::size_t i = 0; i < std::size(kCaps); ++i) m_caps[i] = glIsEnabled(kCaps[i]);
@@ -258,6 +262,8 @@ GlStateGuard::~GlStateGuard()
     glActiveTexture(GLenum(m_activeTexture));
     glPixelStorei(GL_PACK_ALIGNMENT, m_packAlignment);
     glPixelStorei(GL_PACK_ROW_LENGTH, m_packRowLength);
+    glBlendEquationSeparate(GLenum(m_blend[0]), GLenum(m_blend[1]));
+    glBlendFuncSeparate(GLenum(m_blend[2]), GLenum(m_blend[3]), GLenum(m_blend[4]), GLenum(m_blend[5]));
     glDepthMask(m_depthMask);
     glColorMask(m_colorMask[0], m_colorMask[1], m_colorMask[2], m_colorMask[3]);
     for (std::size_t i = 0; i < std::size(kCaps); ++i) (m_caps[i] ? glEnable : glDisable)(kCaps[i]);

@@ -175,6 +175,7 @@ public:
 private:
     int m_drawFramebuffer = 0, m_readFramebuffer = 0, m_program = 0, m_vertexArray = 0, m_packBuffer = 0;
     int m_viewport[4]{}, m_depthFunc = 0, m_clipOrigin = 0, m_clipDepth = 0, m_activeTexture = 0;
+    int m_blend[6]{};  ///< equations and functions
     int m_packAlignment = 4, m_packRowLength = 0;
     unsigned char m_depthMask = 1, m_colorMask[4]{1, 1, 1, 1};
     bool m_clipControl = false;

@@ -545,7 +545,8 @@ bool ProgressiveRenderer::ready() const noexcept
 {
     return !m_targetChanged && !m_layersChanged && !m_viewChanged && !m_resolveNeeded && !m_streaming &&
            std::all_of(m_entries.begin(), m_entries.end(), [&](const auto& e) {
-               return e->complete() && !e->store->stale() && (!averaging() || e->colored == e->store->slotCount());
+               return e->complete() && !e->store->stale() &&
+                      (!m_display.averaged || e->colored == e->store->slotCount());
            });
 }
 
@@ -621,8 +622,8 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
         m_resolveNeeded = true;
     }
     const ResolveSettings settings = colorSettings();
-    if (averaging() && std::all_of(m_entries.begin(), m_entries.end(),
-                                   [](auto& e) { return e->complete() && !e->store->stale(); }))
+    if (m_display.averaged && std::all_of(m_entries.begin(), m_entries.end(),
+                                          [](auto& e) { return e->complete() && !e->store->stale(); }))
         addColors(settings, deadline);
     // While all that is seen is up to date and the rest streams, the picture stays as it is.
     if (m_resolveNeeded) resolveImage(settings);
@@ -664,7 +665,7 @@ FrameReport ProgressiveRenderer::renderBruteForce()
     refreshVisible();
     if (m_rangeNeeded) updateRange();
     const ResolveSettings settings = colorSettings();
-    if (averaging()) addColors(settings, std::numeric_limits<double>::infinity());
+    if (m_display.averaged) addColors(settings, std::numeric_limits<double>::infinity());
     resolveImage(settings);
     report.share = 1.0;
     report.converged = ready();

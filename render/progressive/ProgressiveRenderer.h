@@ -127,7 +127,6 @@ private:
     void beginGrown() noexcept;
     bool partial() const noexcept;
     ResolveSettings colorSettings() const;
-    bool averaging() const noexcept { return m_display.averaged && m_backend->averages(); }
     /// Once all points are drawn: goes on adding colors, from the start when they have become others.
     void addColors(const ResolveSettings& settings, double deadline);
     void resolveImage(const ResolveSettings& settings);

@@ -183,13 +183,12 @@ public:
     /// What the last drawTimed() came to. Waits for it: to be asked when the picture is there.
     virtual Timed timed() { return {}; }
 
-    /// Whether it can average the colors of points that lie closely behind each other: addColors().
-    virtual bool averages() const noexcept { return false; }
     /// Forgets what addColors() added, as clear(), reproject() and setTarget() do.
-    virtual void clearColors() {}
+    virtual void clearColors() = 0;
     /// Adds the colors of a run of slots to the samples whose nearest point is at most 1 % nearer. Once all points
     /// have been drawn and then added, resolve() shows the means: high-quality shading (2022 paper, section 3.6).
-    virtual void addColors(const FrameScene&, const ResolveSettings&, std::size_t, SlotRange) {}
+    virtual void addColors(const FrameScene& scene, const ResolveSettings& settings, std::size_t layer,
+                           SlotRange slots) = 0;
 
     /// Makes the picture: colours from each layer's store words, samples averaged. scene.layers as drawn.
     virtual void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) = 0;

@@ -135,22 +135,20 @@ private slots:
 
     void drawsTheSameByOpenGl_data()
     {
-        QTest::addColumn<QString>("samples");
+        QTest::addColumn<QStringList>("look");
         QTest::addColumn<QString>("backend");
-        QTest::newRow("1 sample, points") << "1"
-                                          << "gl-points";
-        QTest::newRow("4 samples, points") << "4"
-                                           << "gl-points";
-        QTest::newRow("1 sample, compute") << "1"
-                                           << "gl-compute";
-        QTest::newRow("8 samples, compute") << "8"
-                                            << "gl-compute";
+        for (const char* backend : {"gl-points", "gl-compute"}) {
+            QTest::addRow("1 sample, %s", backend) << QStringList{"--samples", "1"} << backend;
+            QTest::addRow("4 samples, %s", backend) << QStringList{"--samples", "4"} << backend;
+            QTest::addRow("averaged, %s", backend) << QStringList{"--samples", "1", "--average"} << backend;
+        }
+        QTest::newRow("8 samples, gl-compute") << QStringList{"--samples", "8"} << "gl-compute";
     }
     void drawsTheSameByOpenGl()
     {
-        QFETCH(QString, samples);
+        QFETCH(QStringList, look);
         QFETCH(QString, backend);
-        const QStringList options{"--samples", samples, "--point-size", "2"};
+        const QStringList options = look + QStringList{"--point-size", "2"};
         const QImage cpu = render("cpu.png", options + QStringList{"--backend", "cpu"});
         const Outcome run = runPunctum(QStringList{"render", path("in.las"), "-o", path("gl.png"), "--size",
                                                    "640x400", "--background", "transparent", "--backend", backend} +
@@ -196,8 +194,7 @@ private slots:
               QStringList{"--clip", "1,2,3:0,9,9"}, QStringList{"--clip-plane", "0,0,0,1"}})
             PUNCTUM_EXIT(runPunctum(command + wrong), 2);
         for (const QStringList& wrong :
-             {QStringList{"--filter", "NoSuchThing > 3"}, QStringList{"--clip", "-9,-9,-9:-8,-8,-8"},
-              QStringList{"--average", "--backend", "gl-compute"}}) {
+             {QStringList{"--filter", "NoSuchThing > 3"}, QStringList{"--clip", "-9,-9,-9:-8,-8,-8"}}) {
             const Outcome run = runPunctum(command + wrong);
             PUNCTUM_EXIT(run, 1);
             QVERIFY2(run.oneSentence(), run.said().constData());

@@ -39,6 +39,9 @@ private slots:
     void initTestCase();
     void agreesWithTheCpuBackend_data();
     void agreesWithTheCpuBackend();
+    void stylesAgreeWithTheCpuBackend_data();
+    void stylesAgreeWithTheCpuBackend();
+    void averagesFollowColors();
     void edgesOfThePictureAreComplete();
     void depthsKeepTheirDigits();
     void convergedEqualsBruteForce_data();

@@ -131,8 +131,7 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
             [this] { m_settings.setSizing(render::PointSizing(m_sizing->currentData().toInt())); });
     m_round->setToolTip(tr("Points are circles instead of squares, where they are wider than 1.5 px"));
     connect(m_round, &QCheckBox::toggled, this, [this](bool on) { m_settings.setRound(on); });
-    m_averaged->setToolTip(
-        tr("Each pixel shows the mean color of all points near its front: less noise; drawn by the CPU"));
+    m_averaged->setToolTip(tr("Each pixel shows the mean color of all points near its front: less noise"));
     connect(m_averaged, &QCheckBox::toggled, this, [this](bool on) { m_settings.setAveraged(on); });
     m_samples->addItem(tr("1, fast"), 1);
     m_samples->addItem(tr("4, smooth"), 4);

@@ -29,7 +29,6 @@ public:
     void reproject(const FrameScene& scene) override;
     void draw(const FrameScene& scene, std::size_t layer, SlotRange slots) override;
     void finish() override {}
-    bool averages() const noexcept override { return true; }
     void clearColors() override { m_sums.clear(); }
     void addColors(const FrameScene& scene, const ResolveSettings& settings, std::size_t layer,
                    SlotRange slots) override;

@@ -35,6 +35,12 @@ struct ScatterEntry {
 };
 static_assert(sizeof(ScatterEntry) == 12);
 
+/// As color.glsl takes it.
+GLuint kindOf(const LayerColors& colors)
+{
+    return GLuint(colors.kind) | (colors.marked ? 8u : 0u);
+}
+
 std::string_view shader(std::string_view name)
 {
     return resource("shaders/gl/" + std::string(name));
@@ -50,6 +56,12 @@ void useProjection(const LayerProjection& p)
     glUniform4f(3, p.rowD.x, p.rowD.y, p.rowD.z, p.rowD.w);
     glUniform1i(4, p.perspective);
     glUniform1f(5, p.nearDepth);
+}
+
+void useLayerColors(const LayerColors& colors)
+{
+    glUniform1ui(27, kindOf(colors));
+    glUniform2f(28, colors.low, colors.high);
 }
 
 void usePointSize(const LayerProjection& p, int least, int most)
@@ -335,11 +347,53 @@ void GlBackend::scatter(const FrameScene& scene, const std::vector<bool>& layers
                     GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT);
 }
 
+void GlBackend::updateTables(const ResolveSettings& settings)
+{
+    // As color.glsl reads it: two tables of 256 colors, the color of no value, the background's rows.
+    const int height = m_visibility->size().height;
+    std::vector<Rgba8> tables;
+    tables.insert(tables.end(), settings.colorMap.begin(), settings.colorMap.end());
+    tables.insert(tables.end(), settings.palette.begin(), settings.palette.end());
+    tables.push_back(settings.noValue);
+    for (int y = 0; y < height; ++y) tables.push_back(backgroundOf(y, height, settings));
+    const std::size_t bytes = tables.size() * sizeof(Rgba8);
+    m_tables.reserve(bytes);
+    m_tables.write(0, tables.data(), bytes);
+    m_lit = settings.normals == NormalLook::Lit;
+    m_light = settings.light;
+}
+
+void GlBackend::useColors() const
+{
+    glUniform1i(25, m_lit);
+    glUniform3f(26, m_light.x, m_light.y, m_light.z);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, m_tables.id());
+}
+
+void GlBackend::addColors(const FrameScene& scene, const ResolveSettings& settings, std::size_t layer,
+                          SlotRange slots)
+{
+    if (m_visibility->empty()) return;
+    const GlStateGuard guard;
+    updateCopies(scene);
+    const Layer& l = scene.layers[layer];
+    slots.last = std::min(slots.last, l.store->slotCount());
+    if (slots.first >= slots.last) return;
+    updateFor(scene, l, slots);
+    updateTables(settings);
+    m_visibility->requireSums();
+    addSlots(scene, l, settings.layers[layer], slots);
+    checkGlErrors("adding colors");
+}
+
 void GlBackend::runResolve(const FrameScene& scene, const ResolveSettings& settings)
 {
     const TargetSize size = m_visibility->size();
-    GlProgram& program = m_resolve[sampleCountIndex(size.samples)];
-    if (!program) program = m_visibility->reader("resolve.comp", {shader("resolve.comp.glsl")});
+    const bool means = m_visibility->hasSums();
+    GlProgram& program = m_resolve[sampleCountIndex(size.samples)][means];
+    if (!program)
+        program = m_visibility->reader("resolve.comp", {shader("color.glsl"), shader("resolve.comp.glsl")}, means);
+    if (means) m_visibility->makeMeans();
     const auto texture = [&](GLenum format) {
         checkGlErrors("drawing");
         GlTexture t = GlTexture::create();
@@ -357,20 +411,9 @@ void GlBackend::runResolve(const FrameScene& scene, const ResolveSettings& setti
                   [&](const ChunkPlace& p) { return !copyOf(scene.layers[p.layer]).chunks()[p.chunk].words; });
     if (drawn.size() > kResolveChunks && !m_sums) m_sums = texture(GL_RGBA32UI);
 
-    // As resolve.comp reads it: two tables of 256 colours, the colour of no value, the background's rows.
-    std::vector<Rgba8> tables;
-    tables.insert(tables.end(), settings.colorMap.begin(), settings.colorMap.end());
-    tables.insert(tables.end(), settings.palette.begin(), settings.palette.end());
-    tables.push_back(settings.noValue);
-    for (int y = 0; y < size.height; ++y) tables.push_back(backgroundOf(y, size.height, settings));
-    const std::size_t bytes = tables.size() * sizeof(Rgba8);
-    m_tables.reserve(bytes);
-    m_tables.write(0, tables.data(), bytes);
-
+    updateTables(settings);
     program.use();
-    glUniform1i(8, settings.normals == NormalLook::Lit);
-    glUniform3f(9, settings.light.x, settings.light.y, settings.light.z);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, m_tables.id());
+    useColors();
     glBindImageTexture(1, m_picture.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
     if (m_sums) glBindImageTexture(0, m_sums.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
     for (std::size_t first = 0; first == 0 || first < drawn.size(); first += kResolveChunks) {
@@ -384,7 +427,7 @@ void GlBackend::runResolve(const FrameScene& scene, const ResolveSettings& setti
                 const LayerColors& colors = settings.layers[place.layer];
                 firstIds[k] = place.firstId;
                 counts[k] = chunk.slots;
-                kinds[k] = GLuint(colors.kind) | (colors.marked ? 8u : 0u);
+                kinds[k] = kindOf(colors);
                 lows[k] = colors.low;
                 highs[k] = colors.high;
                 words = chunk.words.id();

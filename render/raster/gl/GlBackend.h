@@ -24,7 +24,7 @@ struct GlLimits {
 /// What the backends that draw with OpenGL share: copies of the stores on the device, lists of what is visible, the
 /// picture, picking. How points get into the visibility buffer is the derived classes' business. Needs a current
 /// OpenGL 4.3 core context, which must be current whenever a member is called and when the backend is destroyed;
-/// leaves the context's drawing state as it found it, but for texture units 0 and 1 and the numbered storage and
+/// leaves the context's drawing state as it found it, but for texture units 0 to 2 and the numbered storage and
 /// image bindings.
 class GlBackend : public RasterBackend
 {
@@ -42,6 +42,9 @@ public:
     void startClock() final;
     void drawTimed(const FrameScene& scene, std::span<const Run> runs, double seconds) final;
     Timed timed() final;
+    void clearColors() final { m_visibility->clearSums(); }
+    void addColors(const FrameScene& scene, const ResolveSettings& settings, std::size_t layer,
+                   SlotRange slots) final;
     void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) final;
     void depths(std::vector<float>& out) final;
     std::optional<Hit> pick(int x, int y, int radius) final;
@@ -75,6 +78,11 @@ protected:
     /// list, slots from Command::firstIndex on.
     virtual void drawCommands(const FrameScene& scene, std::span<const ChunkPlace> places,
                               std::span<const GlVisibility::Band> bands) = 0;
+    /// addColors() of a run of slots that has come over, into sums that there is room for.
+    virtual void addSlots(const FrameScene& scene, const Layer& layer, const LayerColors& colors,
+                          SlotRange slots) = 0;
+    /// Sets what color.glsl reads in the program that is in use.
+    void useColors() const;
 
 private:
     /// Copies of the scene's stores, and of no others; makes them anew where a store is not what it was.
@@ -86,6 +94,8 @@ private:
     /// Brings over what drawing these slots needs.
     void updateFor(const FrameScene& scene, const Layer& layer, SlotRange slots);
     void scatter(const FrameScene& scene, const std::vector<bool>& layers);
+    /// Brings the tables of colors over.
+    void updateTables(const ResolveSettings& settings);
     void runResolve(const FrameScene& scene, const ResolveSettings& settings);
 
     GlInfo m_info;
@@ -94,14 +104,19 @@ private:
     GlBudget m_budget;
     std::unique_ptr<GlVisibility> m_visibility;
     std::unordered_map<const PointStore*, GlPointCopy> m_copies;
-    std::array<GlProgram, 2> m_scatter;  ///< words; words and groups
-    std::array<GlProgram, kSampleCounts.size()> m_resolve;
+    std::array<GlProgram, 2> m_scatter;                                    ///< words; words and groups
+    std::array<std::array<GlProgram, 2>, kSampleCounts.size()> m_resolve;  ///< of samples; of means
+    bool m_lit = false;                                                    ///< as in the tables
+    glm::vec3 m_light{0.0f};
     GlBuffer m_entries, m_tables;
     GlTexture m_picture, m_sums;
 };
 
 /// Sets the uniforms of projection.glsl in the program that is in use.
 void useProjection(const LayerProjection& projection);
+
+/// Sets what colorOf() of color.glsl takes of a layer: uniforms 27, its kind, and 28, its range.
+void useLayerColors(const LayerColors& colors);
 
 /// Sets the uniforms of size.glsl; `least` and `most`: steps that the device can draw.
 void usePointSize(const LayerProjection& projection, int least, int most);

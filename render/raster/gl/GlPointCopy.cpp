@@ -77,6 +77,10 @@ void GlPointCopy::allocate(Chunk& chunk, Part part)
         glVertexAttribIFormat(0, 3, GL_INT, 0);
         glVertexAttribBinding(0, 0);
         glEnableVertexAttribArray(0);
+        glBindVertexBuffer(2, words.id(), 0, sizeof(std::uint32_t));
+        glVertexAttribIFormat(2, 1, GL_UNSIGNED_INT, 0);
+        glVertexAttribBinding(2, 2);
+        glEnableVertexAttribArray(2);
         chunk.positions = std::move(positions);
         chunk.words = std::move(words);
     }

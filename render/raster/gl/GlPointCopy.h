@@ -40,7 +40,7 @@ public:
         GlBuffer positions;    ///< 3 x int32 a slot
         GlBuffer words;        ///< uint32 a slot
         GlBuffer groups;       ///< uint16 a slot, groupOf(); empty until they are asked for
-        GlVertexArray points;  ///< attribute 0: positions; 1: groups, once there are any
+        GlVertexArray points;  ///< attribute 0: positions; 1: groups, once there are any; 2: words
     };
     /// Chunk i begins at slot i * chunkSlots(). Buffers are empty handles until something was put there.
     std::span<const Chunk> chunks() const noexcept { return m_chunks; }

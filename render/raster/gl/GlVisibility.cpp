@@ -27,9 +27,11 @@ std::string_view shader(std::string_view name)
 
 }  // namespace
 
-GlProgram GlVisibility::reader(std::string_view name, std::initializer_list<std::string_view> source) const
+GlProgram GlVisibility::reader(std::string_view name, std::initializer_list<std::string_view> source,
+                               bool means) const
 {
-    std::string text = "#version 430 core\n#define SAMPLES " + std::to_string(m_size.samples) + "\n" + accessors();
+    std::string text = "#version 430 core\n#define SAMPLES " + std::to_string(m_size.samples) + "\n" +
+                       (means ? "#define MEANS\n" : "") + accessors();
     for (const std::string_view piece : source) text += piece;
     return GlProgram::compute(name, {text});
 }
@@ -68,6 +70,18 @@ void GlVisibility::setSize(const TargetSize& size, const GlInfo& info)
         m_bands.clear();
         throw;
     }
+}
+
+void GlVisibility::clear()
+{
+    m_summed = false;
+    if (!empty()) emptyCells();
+}
+
+void GlVisibility::requireSums()
+{
+    if (!m_summed && !empty()) emptySums();
+    m_summed = true;
 }
 
 void GlVisibility::runOver(const Band& band, int location)

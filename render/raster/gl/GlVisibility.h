@@ -25,7 +25,7 @@ public:
     void setSize(const TargetSize& size, const GlInfo& info);
     const TargetSize& size() const noexcept { return m_size; }
     bool empty() const noexcept { return m_bands.empty(); }
-    virtual void clear() = 0;
+    void clear();
 
     /// As glDrawElementsIndirect and glDispatchComputeIndirect read it, and collect.comp and scan.comp write it.
     struct Command {
@@ -59,8 +59,18 @@ public:
     void depths(std::vector<float>& out);
     double coveredShare();
 
-    /// A compute shader that reads the buffer by idAt() and depthAt(), SAMPLES defined.
-    GlProgram reader(std::string_view name, std::initializer_list<std::string_view> source) const;
+    /// Room for sums of colors, all 0, where there are none since clear() or clearSums().
+    void requireSums();
+    /// No color has been added.
+    void clearSums() noexcept { m_summed = false; }
+    bool hasSums() const noexcept { return m_summed; }
+    /// Makes meanAt() of the sums.
+    virtual void makeMeans() {}
+
+    /// A compute shader that reads the buffer by idAt() and depthAt(), and the means of added colors by meanAt()
+    /// where `means`; SAMPLES defined.
+    GlProgram reader(std::string_view name, std::initializer_list<std::string_view> source,
+                     bool means = false) const;
     /// Runs a reader, which is in use, over the pixels of a band, in groups of 16 x 16: uniform `location` gets
     /// first row, last row, width.
     void runOver(const Band& band, int location);
@@ -72,8 +82,11 @@ protected:
     explicit GlVisibility(std::size_t bandSamples) : m_bandSamples(bandSamples) {}
     /// Makes room for bands(), or for nothing when there are none.
     virtual void makeStorage(const GlInfo& info) = 0;
-    /// What defines idAt() and depthAt().
+    /// What defines idAt() and depthAt(), and where MEANS is defined meanAt().
     virtual std::string accessors() const = 0;
+    virtual void emptyCells() = 0;
+    /// Makes room for sums where there is none, and sets them to 0.
+    virtual void emptySums() = 0;
 
 private:
     /// As read.comp writes it.
@@ -94,6 +107,7 @@ private:
     GlProgram m_scan;
     GlBuffer m_firstIds, m_scratch;
     std::vector<Band> m_bands;
+    bool m_summed = false;
 };
 
 }  // namespace punctum::render

@@ -23,9 +23,12 @@ constexpr std::uint32_t kRunPoints = 32 * kGroupSize;
 /// Points of a work group that draws a list: lists are shorter.
 constexpr std::uint32_t kListPoints = 8 * kGroupSize;
 
+constexpr int kAdding = 3;
+
 /// What a program is made for.
 struct Variant {
-    int pass = 0;           ///< see points.comp.glsl
+    int pass = 0;           ///< see points.comp.glsl; kAdding: the last
+    bool wide = false;      ///< cells are 64-bit words
     bool commands = false;  ///< which points is said by a command on the device ...
     bool list = false;      ///< ... and by a list
     bool filter = false;
@@ -46,6 +49,7 @@ GlProgram makeProgram(const Variant& v)
     define("SAMPLES", std::to_string(v.samples));
     define("GROUP_SIZE", std::to_string(kGroupSize));
     define("GROUP_POINTS", std::to_string(v.list ? kListPoints : kRunPoints));
+    if (v.wide) define("WIDE", "");
     if (v.commands) define("COMMANDS", "");
     if (v.list) define("LIST", "");
     if (v.filter) define("FILTER", "");
@@ -57,6 +61,7 @@ GlProgram makeProgram(const Variant& v)
             (s > 0 ? ", " : "") + ("ivec2(" + std::to_string(place[0])) + ", " + std::to_string(place[1]) + ")";
     }
     define("SAMPLE_PLACES", places);
+    if (v.pass == kAdding) text += resource("shaders/gl/color.glsl");
     for (const char* const part : {"gl/command.glsl", "gl/projection.glsl", "gl/size.glsl", "gl/clip.glsl",
                                    "gl/group.glsl", "gl_compute/points.comp.glsl"})
         text += resource("shaders/" + std::string(part));
@@ -97,6 +102,7 @@ public:
 
 protected:
     void drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots) override;
+    void addSlots(const FrameScene& scene, const Layer& layer, const LayerColors& colors, SlotRange slots) override;
     void drawCommands(const FrameScene& scene, std::span<const ChunkPlace> places,
                       std::span<const GlVisibility::Band> bands) override;
 
@@ -106,6 +112,9 @@ private:
     void forEachPass(F&& f);
     /// The program for this pass, in use, with everything set but the points.
     void use(Variant variant, const FrameScene& scene, const Layer& layer, const GlVisibility::Band& band);
+    /// Runs the program that is in use over these slots; `each` binds more of a chunk.
+    template <class F>
+    void dispatch(const FrameScene& scene, const Layer& layer, SlotRange slots, F&& each);
     void bindChunk(const FrameScene& scene, const Layer& layer, const GlPointCopy::Chunk& chunk);
 
     bool m_wide;
@@ -153,20 +162,42 @@ void GlComputeBackend::bindChunk(const FrameScene& scene, const Layer& layer, co
     if (scene.filters()) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, chunk.groups.id());
 }
 
-void GlComputeBackend::drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots)
+template <class F>
+void GlComputeBackend::dispatch(const FrameScene& scene, const Layer& layer, SlotRange slots, F&& each)
 {
     const GlPointCopy& copy = copyOf(layer);
+    for (Slot at = slots.first; at < slots.last;) {
+        const GlPointCopy::Chunk& chunk = copy.chunks()[at / copy.chunkSlots()];
+        const Slot end = std::min(slots.last, chunk.first + chunk.slots);
+        bindChunk(scene, layer, chunk);
+        each(chunk);
+        glUniform2ui(12, at - chunk.first, end - chunk.first);
+        glDispatchCompute((end - at + kRunPoints - 1) / kRunPoints, 1, 1);
+        at = end;
+    }
+}
+
+void GlComputeBackend::drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots)
+{
     forEachPass([&](int pass, const GlVisibility::Band& band) {
         use({.pass = pass}, scene, layer, band);
-        for (Slot at = slots.first; at < slots.last;) {
-            const GlPointCopy::Chunk& chunk = copy.chunks()[at / copy.chunkSlots()];
-            const Slot end = std::min(slots.last, chunk.first + chunk.slots);
-            bindChunk(scene, layer, chunk);
-            glUniform2ui(12, at - chunk.first, end - chunk.first);
-            glDispatchCompute((end - at + kRunPoints - 1) / kRunPoints, 1, 1);
-            at = end;
-        }
+        dispatch(scene, layer, slots, [](const GlPointCopy::Chunk&) {});
     });
+}
+
+void GlComputeBackend::addSlots(const FrameScene& scene, const Layer& layer, const LayerColors& colors,
+                                SlotRange slots)
+{
+    for (const GlVisibility::Band& band : m_target->bands()) {
+        use({.pass = kAdding, .wide = m_wide}, scene, layer, band);
+        useColors();
+        useLayerColors(colors);
+        m_target->bindForAdding(band);
+        dispatch(scene, layer, slots, [](const GlPointCopy::Chunk& chunk) {
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, chunk.words.id());
+        });
+    }
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
 void GlComputeBackend::drawCommands(const FrameScene& scene, std::span<const ChunkPlace> places,

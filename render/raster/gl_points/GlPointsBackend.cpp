@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <compare>
+#include <map>
 
 namespace punctum::render
 {
@@ -34,17 +36,27 @@ public:
 protected:
     void targetChanged() override;
     void drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots) override;
+    void addSlots(const FrameScene& scene, const Layer& layer, const LayerColors& colors, SlotRange slots) override;
     void drawCommands(const FrameScene& scene, std::span<const ChunkPlace> places,
                       std::span<const GlVisibility::Band> bands) override;
 
 private:
-    void beginDrawing(const FrameScene& scene);
+    /// What a program is made for.
+    struct Variant {
+        bool filter = false, circles = false;
+        int averageOf = 0;  ///< samples, where it adds colors; else 0
+        friend auto operator<=>(const Variant&, const Variant&) = default;
+    };
+    GlProgram makeProgram(const Variant& variant) const;
+    /// Sets all but the layer; `adding`: colors to the sums, else points to the visibility buffer.
+    void beginDrawing(const FrameScene& scene, bool adding = false);
     void useLayer(const Layer& layer);
+    void drawChunks(const Layer& layer, SlotRange slots);
 
     float m_minPointSize = 1, m_maxPointSize = 1;
-    bool m_otherSamples = false;         ///< the driver's samples are not where samplePlaces() has them
-    GlTextureVisibility* m_target;       ///< the visibility buffer, which GlBackend owns
-    std::array<GlProgram, 4> m_points;   ///< 1: with the filter of classes; 2: with circles
+    bool m_otherSamples = false;    ///< the driver's samples are not where samplePlaces() has them
+    GlTextureVisibility* m_target;  ///< the visibility buffer, which GlBackend owns
+    std::map<Variant, GlProgram> m_programs;
     std::array<GLint, 32> m_places{};    ///< of the driver's samples, steps
     float m_margin = 0, m_perPixel = 0;  ///< of the viewport, see points.vert
 };
@@ -59,19 +71,28 @@ GlPointsBackend::GlPointsBackend(const GlLimits& limits) : GlBackend(limits, {})
     m_minPointSize = std::max(1.0f, range[0]);
     m_maxPointSize = std::max(m_minPointSize, std::floor(range[1]));
     checkGlErrors("starting");
+}
 
-    const std::string_view depth = info().clipControl ? "" : "#define FRAGMENT_DEPTH\n";
-    const std::string head = "#version 430 core\n" + std::string(depth);
-    for (const std::size_t variant : {0, 1, 2, 3}) {
-        const std::string_view filter = (variant & 1) != 0 ? "#define FILTER\n" : "";
-        const std::string_view circles = (variant & 2) != 0 ? "#define CIRCLES\n" : "";
-        const std::string_view size = resource("shaders/gl/size.glsl");
-        m_points[variant] = GlProgram::graphics(
-            "points.vert",
-            {head, filter, circles, resource("shaders/gl/projection.glsl"), size, resource("shaders/gl/clip.glsl"),
-             resource("shaders/gl/group.glsl"), shader("points.vert.glsl")},
-            {head, circles, size, shader("points.frag.glsl")});
-    }
+GlProgram GlPointsBackend::makeProgram(const Variant& variant) const
+{
+    std::string head = "#version 430 core\n";
+    if (!info().clipControl && variant.averageOf == 0) head += "#define FRAGMENT_DEPTH\n";
+    if (variant.filter) head += "#define FILTER\n";
+    if (variant.circles) head += "#define CIRCLES\n";
+    if (variant.averageOf > 0)
+        head += "#define AVERAGE\n#define SAMPLES " + std::to_string(variant.averageOf) + "\n";
+    const auto size = resource("shaders/gl/size.glsl");
+    const std::initializer_list<std::string_view> vertex{head,
+                                                         resource("shaders/gl/projection.glsl"),
+                                                         size,
+                                                         resource("shaders/gl/clip.glsl"),
+                                                         resource("shaders/gl/group.glsl"),
+                                                         shader("points.vert.glsl")};
+    if (variant.averageOf == 0)
+        return GlProgram::graphics("points.vert", vertex, {head, size, shader("points.frag.glsl")});
+    return GlProgram::graphics(
+        "average.frag", vertex,
+        {head, shader("visibility.glsl"), resource("shaders/gl/color.glsl"), size, shader("average.frag.glsl")});
 }
 
 void GlPointsBackend::targetChanged()
@@ -92,7 +113,7 @@ void GlPointsBackend::targetChanged()
     }
 }
 
-void GlPointsBackend::beginDrawing(const FrameScene& scene)
+void GlPointsBackend::beginDrawing(const FrameScene& scene, bool adding)
 {
     // OpenGL drops points whose middle lies outside the viewport, even where the square reaches into the picture:
     // so the viewport reaches beyond the picture. Its side is a power of two, so that scaling to it is exact.
@@ -106,21 +127,32 @@ void GlPointsBackend::beginDrawing(const FrameScene& scene)
     m_margin = float(margin);
     m_perPixel = 2.0f / float(side);
 
-    m_target->bindFramebuffer();
+    if (adding)
+        m_target->bindSums();
+    else
+        m_target->bindFramebuffer();
     glViewport(-margin, -margin, side, side);
     if (info().clipControl) glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    glEnable(GL_DEPTH_TEST);
+    (adding ? glDisable : glEnable)(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
     glDepthMask(GL_TRUE);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glEnable(GL_PROGRAM_POINT_SIZE);
     glEnable(GL_MULTISAMPLE);
-    for (const GLenum cap : {GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST}) glDisable(cap);
+    for (const GLenum cap : {GL_SCISSOR_TEST, GL_STENCIL_TEST}) glDisable(cap);
+    (adding ? glEnable : glDisable)(GL_BLEND);
+    if (adding) {
+        glBlendEquation(GL_FUNC_ADD);
+        glBlendFunc(GL_ONE, GL_ONE);
+    }
     const bool circles =
         std::any_of(scene.layers.begin(), scene.layers.end(), [](const Layer& l) { return l.projection.round; });
-    m_points[std::size_t(scene.filters()) + (circles ? 2 : 0)].use();
+    const Variant variant{scene.filters(), circles, adding ? size.samples : 0};
+    GlProgram& program = m_programs[variant];
+    if (!program) program = makeProgram(variant);
+    program.use();
     if (circles) {
-        glUniform1i(31, size.samples);
+        if (!adding) glUniform1i(31, size.samples);
         glUniform2iv(32, kSampleCounts.back(), m_places.data());
     }
     glUniform2f(8, float(size.width), float(size.height));
@@ -139,9 +171,25 @@ void GlPointsBackend::useLayer(const Layer& layer)
 
 void GlPointsBackend::drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots)
 {
-    const GlPointCopy& copy = copyOf(layer);
     beginDrawing(scene);
     useLayer(layer);
+    drawChunks(layer, slots);
+}
+
+void GlPointsBackend::addSlots(const FrameScene& scene, const Layer& layer, const LayerColors& colors,
+                               SlotRange slots)
+{
+    beginDrawing(scene, true);
+    useLayer(layer);
+    useColors();
+    useLayerColors(colors);
+    m_target->bindForReading(m_target->bands().front());
+    drawChunks(layer, slots);
+}
+
+void GlPointsBackend::drawChunks(const Layer& layer, SlotRange slots)
+{
+    const GlPointCopy& copy = copyOf(layer);
     for (Slot at = slots.first; at < slots.last;) {
         const GlPointCopy::Chunk& chunk = copy.chunks()[at / copy.chunkSlots()];
         const Slot end = std::min(slots.last, chunk.first + chunk.slots);

@@ -14,31 +14,39 @@ std::string GlTextureVisibility::accessors() const
     return std::string(resource("shaders/gl_points/visibility.glsl"));
 }
 
+GLenum GlTextureVisibility::target() const noexcept
+{
+    return size().samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE;
+}
+
+GlTexture GlTextureVisibility::storage(GLenum format) const
+{
+    GlTexture texture = GlTexture::create();
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(target(), texture.id());
+    if (size().samples == 1) {
+        glTexStorage2D(target(), 1, format, size().width, size().height);
+        glTexParameteri(target(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+        glTexParameteri(target(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    } else {
+        glTexStorage2DMultisample(target(), size().samples, format, size().width, size().height, GL_TRUE);
+    }
+    glBindTexture(target(), 0);
+    return texture;
+}
+
 void GlTextureVisibility::makeStorage(const GlInfo& info)
 {
     m_framebuffer.reset();
+    m_sumsFramebuffer.reset();
     m_ids.reset();
     m_depths.reset();
+    m_sums.reset();
     if (bands().empty()) return;
     if (size().samples > info.maxIntegerSamples)
         throw Error("The graphics card offers at most " + std::to_string(info.maxIntegerSamples) +
                     " samples a pixel for point numbers. Choose fewer samples or the CPU backend.");
     checkGlErrors("drawing");
-    const GLenum target = size().samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE;
-    const auto storage = [&](GLenum format) {
-        GlTexture texture = GlTexture::create();
-        glActiveTexture(GL_TEXTURE0);
-        glBindTexture(target, texture.id());
-        if (size().samples == 1) {
-            glTexStorage2D(target, 1, format, size().width, size().height);
-            glTexParameteri(target, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-            glTexParameteri(target, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-        } else {
-            glTexStorage2DMultisample(target, size().samples, format, size().width, size().height, GL_TRUE);
-        }
-        glBindTexture(target, 0);
-        return texture;
-    };
     m_ids = storage(GL_R32UI);
     m_depths = storage(GL_DEPTH_COMPONENT32F);
     GlFramebuffer framebuffer = GlFramebuffer::create();
@@ -52,6 +60,30 @@ void GlTextureVisibility::makeStorage(const GlInfo& info)
     m_framebuffer = std::move(framebuffer);
 }
 
+void GlTextureVisibility::emptySums()
+{
+    if (!m_sums) {
+        checkGlErrors("drawing");
+        m_sums = storage(GL_RGBA32F);
+        m_sumsFramebuffer = GlFramebuffer::create();
+        glBindFramebuffer(GL_FRAMEBUFFER, m_sumsFramebuffer.id());
+        glFramebufferTexture(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, m_sums.id(), 0);
+        checkGlErrors("making room for mean colors");
+        if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+            throw Error("The graphics card cannot add up colors. Turn averaging off or choose the CPU backend.");
+    }
+    bindSums();
+    glDisable(GL_SCISSOR_TEST);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    const GLfloat none[4] = {};
+    glClearBufferfv(GL_COLOR, 0, none);
+}
+
+void GlTextureVisibility::bindSums() const
+{
+    glBindFramebuffer(GL_FRAMEBUFFER, m_sumsFramebuffer.id());
+}
+
 void GlTextureVisibility::bindFramebuffer() const
 {
     glBindFramebuffer(GL_FRAMEBUFFER, m_framebuffer.id());
@@ -59,14 +91,17 @@ void GlTextureVisibility::bindFramebuffer() const
 
 void GlTextureVisibility::bindForReading(const Band&)
 {
-    const GLenum target = size().samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE;
     glActiveTexture(GL_TEXTURE1);
-    glBindTexture(target, m_depths.id());
+    glBindTexture(target(), m_depths.id());
+    if (hasSums()) {
+        glActiveTexture(GL_TEXTURE2);
+        glBindTexture(target(), m_sums.id());
+    }
     glActiveTexture(GL_TEXTURE0);
-    glBindTexture(target, m_ids.id());
+    glBindTexture(target(), m_ids.id());
 }
 
-void GlTextureVisibility::clear()
+void GlTextureVisibility::emptyCells()
 {
     if (!m_framebuffer) return;
     bindFramebuffer();

@@ -6,12 +6,22 @@
 // PASS 2: one 64-bit minimum of (depth, id). Where the driver has none: PASS 0 finds each sample's least depth and
 // takes out the id of what is hidden now, PASS 1 puts in the least id of that depth. Both give the same picture.
 //
+// PASS 3, when all is drawn: adds colors to the samples whose nearest point is at most 1 % nearer (section 3.6).
+//
 // Where points go and what they cover is LayerProjection in render/raster/Backend.h.
 layout(local_size_x = GROUP_SIZE) in;
 
 layout(std430, binding = 0) readonly buffer Positions { int positions[]; };  // local integers; x == 0: empty slot
 #ifdef FILTER
 layout(std430, binding = 1) readonly buffer Groups { uint groups[]; };  // two to a word
+#endif
+#if PASS == 3
+layout(std430, binding = 2) readonly buffer Words { uint words[]; };
+layout(std430, binding = 3) coherent buffer RedGreen { uint redGreen[]; };    // sums, two to a cell
+layout(std430, binding = 7) coherent buffer BlueCount { uint blueCount[]; };  // sum and number of points
+layout(location = 27) uniform uint kind;  // of the layer: see resolve.comp.glsl
+layout(location = 28) uniform vec2 range;
+const uint kMostPoints = 1u << 24;  // the sums are full then
 #endif
 #ifdef LIST
 layout(std430, binding = 2) readonly buffer List { uint list[]; };  // slots in the chunk
@@ -24,6 +34,10 @@ layout(location = 12) uniform uvec2 slots;  // first, last (excluded), in the ch
 #endif
 #if PASS == 2
 layout(std430, binding = 5) coherent buffer Cells { uint64_t cells[]; };
+#elif PASS == 3 && defined(WIDE)
+layout(std430, binding = 5) readonly buffer Cells { uvec2 cells[]; };
+#elif PASS == 3
+layout(std430, binding = 6) readonly buffer Depths { uint depths[]; };
 #else
 layout(std430, binding = 5) coherent buffer Ids { uint ids[]; };
 layout(std430, binding = 6) coherent buffer Depths { uint depths[]; };
@@ -36,6 +50,24 @@ layout(location = 16) uniform ivec4 band;     // first row, last row (excluded),
 const uint kNoPoint = 0xFFFFFFFFu;
 const ivec2 kPlaces[SAMPLES] = ivec2[SAMPLES](SAMPLE_PLACES);
 
+#if PASS == 3
+uvec3 color;
+
+void cover(uint cell, uint id, uint depth)
+{
+#ifdef WIDE
+    const uint nearest = cells[cell].y;
+#else
+    const uint nearest = depths[cell];
+#endif
+    precise const float reach = uintBitsToFloat(nearest) * 1.01;
+    if (!(uintBitsToFloat(depth) <= reach) || blueCount[2u * cell + 1u] >= kMostPoints) return;
+    atomicAdd(redGreen[2u * cell], color.r);
+    atomicAdd(redGreen[2u * cell + 1u], color.g);
+    atomicAdd(blueCount[2u * cell], color.b);
+    atomicAdd(blueCount[2u * cell + 1u], 1u);
+}
+#else
 void cover(uint cell, uint id, uint depth)
 {
 #if PASS == 0
@@ -47,6 +79,7 @@ void cover(uint cell, uint id, uint depth)
     if (key < cells[cell]) atomicMin(cells[cell], key);
 #endif
 }
+#endif
 
 void draw(uint slot)
 {
@@ -64,6 +97,9 @@ void draw(uint slot)
     if (!shown) return;
 
     const uint id = firstId + slot, bits = floatBitsToUint(depth);
+#if PASS == 3
+    color = colorOf(words[slot], kind, range.x, range.y).rgb;
+#endif
 #ifdef PIXELS
     const ivec2 pixel = ivec2(px);
     if (pixel.y >= band.x && pixel.y < band.y) cover(uint((pixel.y - band.x) * band.z + pixel.x), id, bits);

@@ -6,12 +6,18 @@ layout(std430, binding = 5) readonly buffer Cells { uvec2 cells[]; };  // id, de
 layout(std430, binding = 5) readonly buffer Ids { uint ids[]; };
 layout(std430, binding = 6) readonly buffer Depths { uint depths[]; };
 #endif
+#ifdef MEANS
+layout(std430, binding = 7) readonly buffer Means { uint means[]; };
+#endif
 layout(location = 15) uniform ivec2 stored;  // first row, px of a row
 
 const uint kNoPoint = 0xFFFFFFFFu;
 
 int cellOf(ivec2 pixel, int which) { return ((pixel.y - stored.x) * stored.y + pixel.x) * SAMPLES + which; }
 
+#ifdef MEANS
+uint meanAt(ivec2 pixel, int which) { return means[cellOf(pixel, which)]; }
+#endif
 #ifdef CELLS64
 uint idAt(ivec2 pixel, int which) { return cells[cellOf(pixel, which)].x; }
 float depthAt(ivec2 pixel, int which) { return uintBitsToFloat(cells[cellOf(pixel, which)].y); }

@@ -6,6 +6,10 @@ layout(location = 0) in ivec3 position;  // local integers; x == 0: empty slot
 layout(location = 1) in uint group;
 #endif
 
+#ifdef AVERAGE
+layout(location = 2) in uint word;
+#endif
+
 layout(location = 8) uniform vec2 pictureSize; // px
 layout(location = 9) uniform float margin;     // px between viewport and picture, at the left and at the top
 layout(location = 10) uniform float perPixel;  // clip units
@@ -17,6 +21,10 @@ flat out ivec3 square;  // left and top edge, and size, in steps of 1/16 px
 #endif
 #ifdef FRAGMENT_DEPTH
 flat out float depthValue;
+#endif
+#ifdef AVERAGE
+flat out uint colorWord;
+flat out float depthSeen;
 #endif
 
 void main()
@@ -50,6 +58,10 @@ void main()
     const float reversed = uintBitsToFloat(kSum - bits);
 
     id = firstId + uint(gl_VertexID);
+#ifdef AVERAGE
+    colorWord = word;
+    depthSeen = depth;
+#endif
 #ifdef FRAGMENT_DEPTH
     depthValue = reversed;
     const float z = 0.0;
