@@ -6,7 +6,7 @@
 #include "core/task/Progress.h"
 #include "render/camera/Projection.h"
 #include "render/progressive/ProgressiveRenderer.h"
-#include "tests/render/SyntheticCloud.h"
+#include "tests/render/GlPictures.h"
 
 #include <QtTest>
 
@@ -21,92 +21,6 @@ namespace punctum::test
 {
 
 using namespace punctum::render;
-
-namespace
-{
-
-constexpr int kWidth = 400, kHeight = 260;
-/// Of mean colors, as Tolerance::cpu.
-constexpr double kAveraged = 0.003;
-
-std::shared_ptr<PointStore> filledStore(const std::shared_ptr<PointCloud>& cloud)
-{
-    auto store = std::make_shared<PointStore>(cloud, cloud->computeBounds());
-    store->fillAll();
-    return store;
-}
-
-Camera cameraFor(const PointCloud& cloud)
-{
-    Camera camera;
-    camera.yaw = 0.4;
-    camera.fit(cloud.coordinates().toWorld(cloud.computeBounds()), {kWidth, kHeight});
-    return camera;
-}
-
-/// The whole path of a picture, on either backend.
-struct View {
-    ProgressiveRenderer renderer;
-
-    View(std::unique_ptr<RasterBackend> backend, const std::vector<std::shared_ptr<PointStore>>& stores,
-         const Camera& camera, const DisplaySettings& display)
-        : renderer(std::move(backend))
-    {
-        for (const auto& store : stores) add(store);
-        renderer.setSize(kWidth, kHeight);
-        renderer.setCamera(camera);
-        renderer.setDisplay(display);
-    }
-    void add(const std::shared_ptr<PointStore>& store)
-    {
-        renderer.addCloud(store);
-        renderer.loadingEnded(store->cloud(), store->cloud().computeBounds());
-    }
-    int converge(double budget = 0.02)
-    {
-        int frames = 1;
-        while (!renderer.renderFrame(budget).converged && frames < 10'000) ++frames;
-        return frames;
-    }
-    Image bruteForce()
-    {
-        renderer.renderBruteForce();
-        return renderer.image();
-    }
-};
-
-std::unique_ptr<RasterBackend> cpu()
-{
-    return makeBackend(BackendKind::Cpu);
-}
-
-int differing(const Image& a, const Image& b)
-{
-    if (a.width != b.width || a.height != b.height) return INT_MAX;
-    int n = 0;
-    for (std::size_t k = 0; k < a.pixels.size(); ++k) n += !(a.pixels[k] == b.pixels[k]);
-    return n;
-}
-
-/// Pixels that differ as a share of those that show a point.
-double share(const Image& a, const Image& b, double covered)
-{
-    return differing(a, b) / std::max(1.0, covered * kWidth * kHeight);
-}
-
-/// share() of a picture from what all points give on another view, which is drawn for it.
-double share(const Image& image, View& reference)
-{
-    const Image expected = reference.bruteForce();
-    return share(image, expected, reference.renderer.coveredShare());
-}
-
-QString percent(double value)
-{
-    return QString::number(100 * value, 'f', 3) + " %";
-}
-
-}  // namespace
 
 void GlBackendChecks::initTestCase()
 {
@@ -178,106 +92,6 @@ void GlBackendChecks::agreesWithTheCpuBackend()
     qInfo("%s of the covered pixels differ", qPrintable(percent(different)));
     QVERIFY(different <= m_tolerance.cpu);
     QVERIFY(std::abs(view.renderer.coveredShare() - covered) <= 0.001);
-}
-
-void GlBackendChecks::stylesAgreeWithTheCpuBackend_data()
-{
-    QTest::addColumn<QString>("file");
-    QTest::addColumn<int>("samples");
-    QTest::addColumn<int>("sizing");
-    QTest::addColumn<bool>("round");
-    QTest::addColumn<bool>("averaged");
-    constexpr const char* kNames[] = {"px", "world", "density"};
-    for (const char* file : {"synthetic", "tls_clip.laz"})
-        for (const int samples : {1, 4})
-            for (const auto sizing : {PointSizing::Pixels, PointSizing::World, PointSizing::Density})
-                for (const bool round : {false, true})
-                    for (const bool averaged : {false, true})
-                        if (std::string_view(file) == "synthetic"
-                                ? sizing != PointSizing::Pixels || round || averaged
-                                : sizing == PointSizing::Density && round && averaged)
-                            QTest::addRow("%s, %d samples, by %s%s%s", file, samples, kNames[int(sizing)],
-                                          round ? ", round" : "", averaged ? ", averaged" : "")
-                                << file << samples << int(sizing) << round << averaged;
-}
-
-// The same reasons as above. Of mean colors the sums are the same integers; but many points come into a sample, and
-// one at its rim or at the limit of 1 % that falls to the other side may change the mean by a step.
-void GlBackendChecks::stylesAgreeWithTheCpuBackend()
-{
-    QFETCH(QString, file);
-    QFETCH(int, samples);
-    QFETCH(int, sizing);
-    QFETCH(bool, round);
-    QFETCH(bool, averaged);
-    const auto cloud = cloudNamed(file);
-    if (!cloud) QSKIP(qPrintable(file + " is not there."));
-    const auto store = filledStore(cloud);
-    DisplaySettings display;
-    display.attribute = "Z";
-    display.samples = samples;
-    display.sizing = PointSizing(sizing);
-    display.pointSize = round ? 4.0 : 1.0;
-    const WorldBounds box = cloud->coordinates().toWorld(cloud->computeBounds());
-    display.worldSize = (box.max.x - box.min.x) / 100;
-    display.spacings = 1.5;
-    display.round = round;
-    display.averaged = averaged;
-    const Camera camera = cameraFor(*cloud);
-    View reference(cpu(), {store}, camera, display);
-    View view(gl(), {store}, camera, display);
-    const Image expected = reference.bruteForce(), image = view.bruteForce();
-    const double covered = reference.renderer.coveredShare();
-    QVERIFY(covered > 0.05);
-    const double different = share(image, expected, covered);
-    qInfo("%s of the covered pixels differ", qPrintable(percent(different)));
-    QVERIFY(different <= (averaged ? std::max(m_tolerance.cpu, kAveraged) : m_tolerance.cpu));
-    view.converge();
-    QVERIFY(share(view.renderer.image(), image, covered) <= m_tolerance.converged);
-}
-
-// Mean colors are there once all is drawn, are those of the attribute shown, and leave with the style.
-void GlBackendChecks::averagesFollowColors()
-{
-    const auto cloud = cloudNamed("synthetic");
-    const auto store = filledStore(cloud), other = filledStore(makeCloud(50'000));
-    DisplaySettings display;
-    display.attribute = "Z";
-    display.averaged = true;
-    Camera camera = cameraFor(*cloud);
-    for (const int samples : {1, 4}) {
-        display.samples = samples;
-        // several pieces of both kinds of memory
-        View view(gl({.chunkSlots = PointStore::kBlockSlots, .bandSamples = kWidth * 40u}), {store, other}, camera,
-                  display);
-        View reference(cpu(), {store, other}, camera, display);
-        view.converge();
-        const double covered = (reference.bruteForce(), reference.renderer.coveredShare());
-        QVERIFY(share(view.renderer.image(), reference.renderer.image(), covered) <=
-                std::max(m_tolerance.cpu, kAveraged));
-        for (const auto& change : std::vector<std::function<void(DisplaySettings&)>>{
-                 [](DisplaySettings& d) { d.attribute = "Classification"; },
-                 [](DisplaySettings& d) { d.averaged = false; }, [](DisplaySettings& d) { d.averaged = true; },
-                 [](DisplaySettings& d) {
-                     d.palette[2] = {1, 2, 250, 255};
-                 }}) {
-            DisplaySettings changed = view.renderer.display();
-            change(changed);
-            view.renderer.setDisplay(changed);
-            reference.renderer.setDisplay(changed);
-            view.converge();
-            reference.converge();
-            QVERIFY(share(view.renderer.image(), reference.renderer.image(), covered) <=
-                    std::max(m_tolerance.cpu, kAveraged));
-        }
-        camera.orbit(0.2, 0.0);
-        view.renderer.setCamera(camera);
-        reference.renderer.setCamera(camera);
-        view.converge();
-        reference.converge();
-        QVERIFY(share(view.renderer.image(), reference.renderer.image(), covered) <=
-                std::max(m_tolerance.cpu, kAveraged));
-    }
 }
 
 // Points whose middle lies outside the picture reach into it with their squares, on all four sides.

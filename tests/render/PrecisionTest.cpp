@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/Error.h"
 #include "render/gl/EglContext.h"
-#include "render/progressive/ProgressiveRenderer.h"
-#include "tests/render/SyntheticCloud.h"
+#include "tests/render/RenderedView.h"
 
 #include <QtTest>
 
@@ -91,8 +90,7 @@ void PrecisionTest::linesAreStraight()
         raw[axis][kLinePoints] = -extent;
         raw[axis][kLinePoints + 1] = extent;
     }
-    const auto store = std::make_shared<PointStore>(cloud, cloud->computeBounds());
-    store->fillAll();
+    const auto store = test::filledStore(cloud);
 
     Camera camera;
     camera.yaw = 0.3;
@@ -103,16 +101,10 @@ void PrecisionTest::linesAreStraight()
     const double step = scale * camera.stretch.y;  // view units; 2 px at the pivot
     camera.eye =
         camera.pivot - camera.forward() * (step * kHeight / 2 / (2 * std::tan(camera.fovY / 2))) / camera.stretch;
-    ProgressiveRenderer renderer(makeBackend(BackendKind(backend)));
-    renderer.addCloud(store);
-    renderer.loadingEnded(*cloud, cloud->computeBounds());
-    renderer.setSize(kWidth, kHeight);
-    renderer.setCamera(camera);
     DisplaySettings display;
     display.backgroundTop = display.backgroundBottom = {0, 0, 0, 0};
-    renderer.setDisplay(display);
-    renderer.renderBruteForce();
-    const Image& image = renderer.image();
+    test::RenderedView view(makeBackend(BackendKind(backend)), {store}, camera, display, kWidth, kHeight);
+    const Image image = view.bruteForce();
 
     const double tolerance = store->frame().shift == 0 ? 0.01 : 2.0 * double(1 << store->frame().shift);
     int inPicture = 0;

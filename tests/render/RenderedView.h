@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "render/progressive/ProgressiveRenderer.h"
+#include "tests/render/SyntheticCloud.h"
+
+#include <climits>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace punctum::test
+{
+
+/// A store that has all points of its cloud.
+inline std::shared_ptr<render::PointStore> filledStore(const std::shared_ptr<PointCloud>& cloud,
+                                                       render::OrderKind order = render::OrderKind::Stratified)
+{
+    auto store = std::make_shared<render::PointStore>(cloud, cloud->computeBounds(), order);
+    store->fillAll();
+    return store;
+}
+
+/// Sees all of a cloud, from above at a slant.
+inline render::Camera cameraFor(const PointCloud& cloud, int width, int height)
+{
+    render::Camera camera;
+    camera.yaw = 0.4;
+    camera.fit(cloud.coordinates().toWorld(cloud.computeBounds()), {width, height});
+    return camera;
+}
+
+/// The whole path of a picture, on any backend.
+struct RenderedView {
+    render::ProgressiveRenderer renderer;
+
+    RenderedView(std::unique_ptr<render::RasterBackend> backend,
+                 const std::vector<std::shared_ptr<render::PointStore>>& stores, const render::Camera& camera,
+                 const render::DisplaySettings& display, int width, int height)
+        : renderer(std::move(backend))
+    {
+        for (const auto& store : stores) add(store);
+        renderer.setSize(width, height);
+        renderer.setCamera(camera);
+        renderer.setDisplay(display);
+    }
+    void add(const std::shared_ptr<render::PointStore>& store)
+    {
+        renderer.addCloud(store);
+        renderer.loadingEnded(store->cloud(), store->cloud().computeBounds());
+    }
+    /// Frames until the picture is finished.
+    int converge(double budget)
+    {
+        int frames = 1;
+        while (!renderer.renderFrame(budget).converged && frames < 100'000) ++frames;
+        return frames;
+    }
+    render::Image bruteForce()
+    {
+        renderer.renderBruteForce();
+        return renderer.image();
+    }
+};
+
+/// Pixels that are not the same in both.
+inline int differing(const render::Image& a, const render::Image& b)
+{
+    if (a.width != b.width || a.height != b.height) return INT_MAX;
+    int n = 0;
+    for (std::size_t k = 0; k < a.pixels.size(); ++k) n += !(a.pixels[k] == b.pixels[k]);
+    return n;
+}
+
+}  // namespace punctum::test
