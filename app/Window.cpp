@@ -59,6 +59,11 @@ WindowRequest understand(int argc, char** argv)
             request.options.backend = render::backendFromName(name);
             if (!request.options.backend)
                 request.wrong = "There is no backend \"" + name + "\"; there are cpu, gl-compute and gl-points.";
+        } else if (word == "--order") {
+            const std::string name = k + 1 < argc ? argv[++k] : "";
+            request.options.order = render::orderFromName(name);
+            if (!request.options.order)
+                request.wrong = "There is no order \"" + name + "\"; there are stratified and prime.";
         } else if (word == "--budget" || word == "--budget-points") {
             const std::string text = k + 1 < argc ? argv[++k] : "";
             double number = 0;

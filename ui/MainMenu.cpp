@@ -241,6 +241,12 @@ void MainMenu::makeView()
         const int data = a->data().toInt();
         emit backendChosen(data == kFastestBackend ? std::nullopt : std::optional(render::BackendKind(data)));
     });
+    drawing->addSection(tr("Order, in Files Opened Next"));
+    m_orders = new QActionGroup(this);
+    choice(drawing, m_orders, tr("&Stratified"), int(render::OrderKind::Stratified));
+    choice(drawing, m_orders, tr("P&rime"), int(render::OrderKind::Prime));
+    connect(m_orders, &QActionGroup::triggered, this,
+            [this](const QAction* a) { emit orderChosen(render::OrderKind(a->data().toInt())); });
     menu->addSeparator();
 
     QMenu* panels = menu->addMenu(tr("Pa&nels"));
@@ -395,6 +401,11 @@ void checkBy(const QActionGroup& group, int value)
 void MainMenu::setBackend(std::optional<render::BackendKind> kind)
 {
     checkBy(*m_backends, kind ? int(*kind) : kFastestBackend);
+}
+
+void MainMenu::setOrder(render::OrderKind order)
+{
+    checkBy(*m_orders, int(order));
 }
 
 void MainMenu::setAppearance(Appearance appearance)

@@ -36,6 +36,7 @@ public:
     void setAttributes(const Document* document, const QString& shown);
     /// None: the fastest.
     void setBackend(std::optional<render::BackendKind> kind);
+    void setOrder(render::OrderKind order);
     void setAppearance(Appearance appearance);
     /// Reads the settings that other parts may have changed.
     void takeViewSettings(const ViewSettings& settings);
@@ -67,6 +68,7 @@ public:
 
 signals:
     void backendChosen(std::optional<punctum::render::BackendKind> kind);
+    void orderChosen(punctum::render::OrderKind order);
     void appearanceChosen(punctum::ui::Appearance appearance);
     void recentChosen(const QString& path);
     void recentCleared();
@@ -87,6 +89,7 @@ private:
     QMenu* m_colorBy = nullptr;
     QActionGroup* m_views = nullptr;
     QActionGroup* m_backends = nullptr;
+    QActionGroup* m_orders = nullptr;
     QActionGroup* m_backgrounds = nullptr;
     QActionGroup* m_samples = nullptr;
     QAction* m_eyeDome = nullptr;

@@ -133,6 +133,9 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     m_menu->setRecentFiles(m_settings->recentFiles());
     m_menu->setAppearance(m_settings->appearance());
     m_menu->setBackend(backend);
+    const render::OrderKind order = options.order.value_or(m_settings->order());
+    m_menu->setOrder(order);
+    m_workspace->setOrder(order);
     m_viewport->setDocument(nullptr, 0);
     m_viewport->setFocus();
     updateTitle();
@@ -260,6 +263,10 @@ void MainWindow::connectParts()
     connect(m_menu, &MainMenu::backendChosen, this, [this](std::optional<render::BackendKind> kind) {
         m_renderer->setBackend(kind);
         m_settings->setBackend(kind);
+    });
+    connect(m_menu, &MainMenu::orderChosen, this, [this](render::OrderKind order) {
+        m_workspace->setOrder(order);
+        m_settings->setOrder(order);
     });
     connect(m_menu, &MainMenu::appearanceChosen, this, &MainWindow::setAppearance);
     connect(m_menu, &MainMenu::recentChosen, this, [this](const QString& path) { openFiles({path}); });

@@ -56,6 +56,7 @@ enum class ViewKind {
 struct WindowOptions {
     QString settingsFile;  ///< an .ini file to keep settings in; empty: the user's own settings
     std::optional<render::BackendKind> backend;  ///< none: as the settings say, else the fastest
+    std::optional<render::OrderKind> order;      ///< none: as the settings say
     ViewKind view = ViewKind::Automatic;
     double frameSeconds = 0.0166;  ///< time of a frame while the view moves
     PointIndex pointsAFrame = 0;   ///< drawn in each frame; 0: as many as there is time for

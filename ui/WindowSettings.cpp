@@ -27,6 +27,7 @@ const QString kGeometry = QStringLiteral("window/geometry");
 const QString kLayout = QStringLiteral("window/state");
 const QString kAppearance = QStringLiteral("window/appearance");
 const QString kBackend = QStringLiteral("view/drawWith");
+const QString kOrder = QStringLiteral("view/order");
 const QString kFastest = QStringLiteral("view/fastest");
 const QString kFastestDevice = QStringLiteral("view/fastestOn");
 const QString kAutomatic = QStringLiteral("auto");
@@ -143,6 +144,17 @@ std::optional<render::BackendKind> WindowSettings::backend() const
 void WindowSettings::setBackend(std::optional<render::BackendKind> kind)
 {
     set(kBackend, kind ? toQString(render::nameOf(*kind)) : kAutomatic);
+}
+
+render::OrderKind WindowSettings::order() const
+{
+    return render::orderFromName(m_values.value(kOrder).toString().toStdString())
+        .value_or(render::OrderKind::Stratified);
+}
+
+void WindowSettings::setOrder(render::OrderKind order)
+{
+    set(kOrder, toQString(render::nameOf(order)));
 }
 
 FastestBackend WindowSettings::fastestBackend() const

@@ -40,6 +40,8 @@ public:
     /// What the user chose to draw with; none: the fastest.
     std::optional<render::BackendKind> backend() const;
     void setBackend(std::optional<render::BackendKind> kind);
+    render::OrderKind order() const;
+    void setOrder(render::OrderKind order);
     /// Which was the fastest when it was last measured, and on which device.
     FastestBackend fastestBackend() const;
     void setFastestBackend(const FastestBackend& fastest);

@@ -123,7 +123,7 @@ void Workspace::open(const QString& path)
     m_opening.push_back(opening);
     opening->job = startJob(
         tr("Open %1").arg(fileNameOf(absolute)),
-        [this, opening](Progress& progress) {
+        [this, opening, order = m_order](Progress& progress) {
             progress.begin("Reading the header", 1);
             const auto reader = las::Reader::open(toPath(opening->path));
             progress.check();
@@ -131,7 +131,7 @@ void Workspace::open(const QString& path)
             data->path = toPath(opening->path);
             data->source = reader->source();
             data->cloud = reader->createCloud();
-            data->store = std::make_shared<render::PointStore>(data->cloud, reader->source()->sampledBounds);
+            data->store = std::make_shared<render::PointStore>(data->cloud, reader->source()->sampledBounds, order);
             data->history = std::make_shared<History>(data->cloud);
             opening->data = data;
             QMetaObject::invokeMethod(

@@ -4,6 +4,7 @@
 #include "core/edit/Recipe.h"
 #include "core/process/Step.h"
 #include "core/task/Jobs.h"
+#include "render/order/SlotOrder.h"
 #include "ui/Document.h"
 #include "ui/Question.h"
 
@@ -48,6 +49,9 @@ public:
     /// Reads the file; the document is there as soon as header and columns are, and fills meanwhile. A file that
     /// cannot be read is one message, and nothing else changes. A file that is open already becomes active.
     void open(const QString& path);
+    /// In which the points of files that are opened from now on are drawn.
+    void setOrder(render::OrderKind order) noexcept { m_order = order; }
+    render::OrderKind order() const noexcept { return m_order; }
     /// Files whose opening has begun and that are not documents yet, or still loading.
     bool opening() const noexcept { return !m_opening.empty(); }
     /// Without asking; a job that works on it is cancelled.
@@ -141,6 +145,7 @@ private:
     std::multimap<Document*, JobId> m_documentJobs;
     Document* m_active = nullptr;
     std::size_t m_unended = 0;
+    render::OrderKind m_order = render::OrderKind::Stratified;
 };
 
 }  // namespace punctum::ui

@@ -105,9 +105,8 @@ void runBenchRender(const BenchRenderOptions& options, Progress& progress)
 {
     HeadlessRenderer headless(options.backend);
     render::ProgressiveRenderer& renderer = headless.renderer();
-    const DrawableCloud cloud =
-        loadDrawable(options.file, progress,
-                     options.order == "prime" ? render::OrderKind::Prime : render::OrderKind::Stratified);
+    const DrawableCloud cloud = loadDrawable(
+        options.file, progress, render::orderFromName(options.order).value_or(render::OrderKind::Stratified));
     const auto points = double(cloud.cloud->size());
     render::DisplaySettings display;
     display.samples = options.samples;

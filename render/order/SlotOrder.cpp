@@ -85,6 +85,18 @@ constexpr std::uint32_t oddInverse(std::uint32_t a) noexcept
 
 }  // namespace
 
+std::string_view nameOf(OrderKind kind) noexcept
+{
+    return kind == OrderKind::Prime ? "prime" : "stratified";
+}
+
+std::optional<OrderKind> orderFromName(std::string_view name) noexcept
+{
+    for (const OrderKind kind : {OrderKind::Prime, OrderKind::Stratified})
+        if (name == nameOf(kind)) return kind;
+    return std::nullopt;
+}
+
 GroupShuffle groupShuffle(std::uint32_t group) noexcept
 {
     const std::uint64_t h = mix(group);

@@ -4,6 +4,7 @@
 #include "core/cloud/Column.h"
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 namespace punctum::render
@@ -22,6 +23,10 @@ enum class OrderKind {
     Prime,       ///< prime permutation of Schuetz et al. 2019, section 3.3
     Stratified,  ///< one random member of each group of K consecutive points in each of K windows
 };
+
+/// "prime", "stratified": names on the command line.
+std::string_view nameOf(OrderKind kind) noexcept;
+std::optional<OrderKind> orderFromName(std::string_view name) noexcept;
 
 /// How one group of K members is dealt to the K windows: window = member * factor + shift, modulo K.
 struct GroupShuffle {

@@ -604,6 +604,32 @@ private slots:
         QCOMPARE(unlike, 0);
     }
 
+    void orderOfDrawingIsRemembered()
+    {
+        const QTemporaryDir folder;
+        const QString settings = folder.filePath(QStringLiteral("order.ini"));
+        const auto prime = [](TestWindow& test) -> QAction* {
+            for (QAction* action :
+                 test.window->menu().findChildren<QAction*>() + test.window->findChildren<QAction*>())
+                if (action->text() == QStringLiteral("P&rime")) return action;
+            return nullptr;
+        };
+        {
+            TestWindow test(ViewKind::Raster, settings);
+            QAction* const action = prime(test);
+            QVERIFY(action && !action->isChecked());
+            QCOMPARE(test.window->workspace().order(), render::OrderKind::Stratified);
+            action->trigger();
+            QCOMPARE(test.window->workspace().order(), render::OrderKind::Prime);
+        }
+        TestWindow test(ViewKind::Raster, settings);
+        QVERIFY(prime(test)->isChecked());
+        QCOMPARE(test.window->workspace().order(), render::OrderKind::Prime);
+        NEED_DATA(kAutzen);
+        QVERIFY(test.open(dataFile(kAutzen)));
+        QVERIFY(test.frame()->report.converged);
+    }
+
     void openGlViewShowsTheSamePixels()
     {
         NEED_DATA(kAutzen);
