@@ -19,7 +19,7 @@ layout(std430, binding = 1) readonly buffer Groups { uint groups[]; };  // two t
 layout(std430, binding = 2) readonly buffer Words { uint words[]; };
 layout(std430, binding = 3) coherent buffer RedGreen { uint redGreen[]; };    // sums, two to a cell
 layout(std430, binding = 7) coherent buffer BlueCount { uint blueCount[]; };  // sum and number of points
-layout(location = 27) uniform uint kind;  // of the layer: see resolve.comp.glsl
+layout(location = 27) uniform uint kind;  // of the layer, for colorOf()
 layout(location = 28) uniform vec2 range;
 const uint kMostPoints = 1u << 24;  // the sums are full then
 #endif
