@@ -129,16 +129,16 @@ Section parseSection(const std::string& text, double width)
                                 "\" is no line of a section; write X1,Y1:X2,Y2, two different places.");
 }
 
-/// The camera of a section that all heights of its points fill.
-render::Camera cameraOf(const Section& section, const std::vector<DrawableCloud>& clouds, const Clip& clip,
-                        double exaggeration, glm::dvec2 size, Progress& progress)
+/// The camera of a section that all heights of its points fill; `shown`: of each cloud.
+render::Camera cameraOf(const Section& section, const std::vector<DrawableCloud>& clouds,
+                        const std::vector<Visibility>& shown, double exaggeration, glm::dvec2 size,
+                        Progress& progress)
 {
-    Visibility visibility;
-    visibility.clip = clip;
     ShownHeights heights;
-    for (const DrawableCloud& loaded : clouds)
-        heights.include(
-            shownHeights(*loaded.cloud, hiddenPoints(*loaded.cloud, visibility, progress).get(), progress));
+    for (std::size_t k = 0; k < clouds.size(); ++k) {
+        const PointCloud& cloud = *clouds[k].cloud;
+        heights.include(shownHeights(cloud, hiddenPoints(cloud, shown[k], progress).get(), progress));
+    }
     if (heights.points == 0) throw Error("No point lies in the section. Is its line on the cloud?");
     return render::sectionCamera(section, heights.low, heights.high, size, exaggeration);
 }
@@ -216,12 +216,16 @@ void runRender(const RenderRequest& request, Progress& progress)
     }
     display.clip = clip;
     renderer.setDisplay(display);
-    for (const DrawableCloud& loaded : clouds) {
-        renderer.addCloud(loaded.store);
-        renderer.loadingEnded(*loaded.cloud, loaded.bounds);
+    std::vector<Visibility> visibility(clouds.size());
+    for (std::size_t k = 0; k < clouds.size(); ++k) {
+        const PointCloud& cloud = *clouds[k].cloud;
+        renderer.addCloud(clouds[k].store);
+        renderer.loadingEnded(cloud, clouds[k].bounds);
+        visibility[k].clip = clip;
         if (options.filter.empty()) continue;
-        const expression::Condition filter(options.filter, *loaded.cloud);
-        renderer.hide(*loaded.cloud, expression::selectOthers(*loaded.cloud, filter, progress).get());
+        const expression::Condition filter(options.filter, cloud);
+        visibility[k].filtered = expression::selectOthers(cloud, filter, progress);
+        renderer.hide(cloud, visibility[k].filtered.get());
     }
 
     const auto [width, height] = options.size;
@@ -236,7 +240,7 @@ void runRender(const RenderRequest& request, Progress& progress)
         if (glm::any(glm::greaterThan(shown.min, shown.max))) throw Error("No point lies in the box of --clip.");
     }
     camera.fit(shown, size);
-    if (section) camera = cameraOf(*section, clouds, clip, options.exaggeration, size, progress);
+    if (section) camera = cameraOf(*section, clouds, visibility, options.exaggeration, size, progress);
     if (!options.camera.empty()) camera = readCamera(options.camera, camera, shown, size);
     renderer.setCamera(camera);
 

@@ -343,6 +343,15 @@ private slots:
         QVERIFY2(std::abs(twice - 2 * once) <= 4, qPrintable(QStringLiteral("%1 %2").arg(once).arg(twice)));
         const QString back = number(x2) + ',' + number(y) + ':' + number(x1) + ',' + number(y);
         QVERIFY(!render("back.png", {"--section", back}).isNull());
+        // what a filter hides has no height
+        const double ceiling = camera["pivot"].toArray()[2].toDouble();
+        const Outcome filtered =
+            runPunctum(QStringList{"render", path("in.las"), "-o", path("filtered.png"), "--section", line,
+                                   "--section-width", "6", "--filter", "Z < " + number(ceiling)} +
+                       size);
+        PUNCTUM_EXIT(filtered, 0);
+        const QJsonObject below = filtered.json()["camera"].toObject();
+        QVERIFY(below["pivot"].toArray()[2].toDouble() < ceiling - 0.1);
 
         for (const QStringList& wrong : {QStringList{"--section", "1,2:1,2"},
                                          {"--section", "1,2,3:4,5,6"},
