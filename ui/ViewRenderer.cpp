@@ -80,6 +80,7 @@ struct ViewRenderer::Picture {
     std::vector<Capture> captures;
     std::vector<Snapshot> snapshots;
     Wish known;           ///< the newest of each
+    bool fresh = false;   ///< the renderer was told nothing of what is known
     bool dirty = false;   ///< something changed what is to be seen
     bool broken = false;  ///< the backend failed; wait for a change
     std::uint64_t frames = 0;
@@ -236,7 +237,8 @@ void ViewRenderer::setOn(bool on)
             picture.renderer->addCloud(cloud.store);
             if (!cloud.loading) picture.renderer->loadingEnded(cloud.store->cloud(), cloud.store->bounds());
         }
-        picture.apply(picture.known);
+        // Told when the newest wishes are known: the one before might show another attribute, in all views.
+        picture.fresh = picture.dirty = true;
     });
 }
 
@@ -506,7 +508,7 @@ void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBacken
             if (wish.size) picture.known.size = wish.size;
             if (wish.camera) picture.known.camera = wish.camera;
             if (wish.display) picture.known.display = wish.display;
-            if (!picture.renderer) continue;  // it could not be made
+            if (!picture.renderer || picture.fresh) continue;  // it could not be made, or is told all below
             guarded(picture, [&, &wish = wish] { picture.apply(wish); });
             moved = moved || wish.camera;
         }
@@ -517,6 +519,7 @@ void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBacken
             if (picture->dirty) picture->broken = false;
             if (picture->renderer && !picture->broken)
                 guarded(*picture, [&] {
+                    if (std::exchange(picture->fresh, false)) picture->apply(picture->known);
                     renderNext(thread, *picture, thread.budget / double(std::max<long>(unfinished, 1)));
                 });
             if (picture->broken || !picture->renderer) picture->refuse();

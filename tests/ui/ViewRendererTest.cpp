@@ -234,6 +234,16 @@ void ViewRendererTest::viewsBesideEachOther()
     other.pick(150, 100, &other, [&](const std::optional<PickedPoint>& point) { picked = point; });
     QTRY_VERIFY(picked);
     QVERIFY(std::abs(picked->world.y - (box.min.y + box.max.y) / 2) <= (box.max.y - box.min.y) / 5 + 1e-6);
+
+    // what was chosen meanwhile is not undone for a moment: all words would be made anew
+    other.setOn(false);
+    display.attribute = "Z";
+    send();
+    QTRY_COMPARE(view.renderer.frame()->attribute, QStringLiteral("Z"));
+    const auto encoder = view.store->encoder();
+    other.setOn(true);
+    QCOMPARE(both("chosen while it was off"), QByteArray());
+    QCOMPARE(view.store->encoder(), encoder);
 }
 
 QTEST_GUILESS_MAIN(ViewRendererTest)
