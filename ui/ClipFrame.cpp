@@ -216,6 +216,9 @@ bool ClipFrame::eventFilter(QObject*, QEvent* event)
         }
         case QEvent::Wheel:  // the line that is dragged along must stay
             return m_drag.has_value();
+        case QEvent::Hide:  // the button's release will not come
+            end();
+            return false;
         case QEvent::Leave:
             if (!m_drag) setHovered(std::nullopt);
             return false;

@@ -36,6 +36,7 @@ public:
     void showHandles(bool shown);
     /// Where a handle is, in px of the widget; none when it is not shown.
     std::optional<QPointF> handle(std::size_t which) const;
+    bool dragging() const noexcept { return m_drag.has_value(); }
 
     bool eventFilter(QObject* watched, QEvent* event) override;
 

@@ -2,6 +2,7 @@
 // The section view by real mouse and key events, against plain loops over all points of a real file.
 #include "SelectBench.h"
 
+#include "ui/ClipFrame.h"
 #include "ui/ViewSettings.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
@@ -359,6 +360,10 @@ private slots:
         QVERIFY(within(b.section().width, start.width * 1.15 * 1.15, 0.01));
         b.pane().widthField().setValue(12.5);
         QCOMPARE(b.section().width, 12.5);
+        b.pane().widthField().setFocus();
+        QVERIFY(!b.view().hasFocus());
+        QTest::keyClick(&b.pane().widthField(), Qt::Key_Return);
+        QVERIFY(b.view().hasFocus());  // keys go to the section again
         QVERIFY(b.settled());
         QVERIFY2(b.pane().title().contains(QLocale(QLocale::English).toString(qulonglong(b.counted()))),
                  qPrintable(b.pane().title()));
@@ -416,6 +421,36 @@ private slots:
         QVERIFY(b.sections().sectionMark().isHidden());
     }
 
+    void boxIsDraggedInIt()
+    {
+        NEED_AUTZEN();
+        SectionBench b;
+        QVERIFY(b.beginSection());
+        Clip clip;
+        clip.box = b.document->bounds();
+        clip.box->max.z = (clip.box->min.z + clip.box->max.z) / 2;
+        b.window->viewSettings().setClip(clip);
+        QVERIFY(b.settled());
+        const auto top = [&] { return b.window->viewSettings().display().clip.box->max.z; };
+        const auto handle = b.view().clipFrame().handle(5);
+        QVERIFY(handle && b.view().rect().contains(handle->toPoint()));
+        const QPoint from = handle->toPoint(), to = from + QPoint(0, 15);
+        b.press(from);
+        b.move(to);
+        QVERIFY(top() < clip.box->max.z);
+        b.key(Qt::Key_Escape);  // takes back the drag; the section stays
+        QVERIFY(b.sections().section());
+        QCOMPARE(top(), clip.box->max.z);
+        b.release(to);
+        // a section that closes takes the drag along
+        QVERIFY(b.settled());
+        b.press(from);
+        b.move(to);
+        QVERIFY(b.view().clipFrame().dragging());
+        b.sections().close();
+        QVERIFY(!b.view().clipFrame().dragging());
+    }
+
     void measuresInIt()
     {
         NEED_AUTZEN();
@@ -451,6 +486,9 @@ private slots:
             Document* const second = b.open(other);
             QVERIFY(second);
             QVERIFY(b.sections().section());
+            b.sections().turn();
+            b.sections().turn();
+            QVERIFY2(b.pane().title().contains(QStringLiteral(" ft long")), qPrintable(b.pane().title()));
             b.window->workspace().close(*second);
             QVERIFY(b.settled());
             QVERIFY(b.view().renderer().frame()->image == before->image);

@@ -161,7 +161,7 @@ void SectionRuler::paintEvent(QPaintEvent*)
     const auto label = [&](const QString& text, QPoint center, bool left) {
         QRect plate(0, 0, metrics.horizontalAdvance(text) + 10, metrics.height() + 2);
         plate.moveCenter(center);
-        if (left) plate.moveLeft(center.x());
+        plate.moveLeft(left ? center.x() : std::clamp(plate.left(), 2, std::max(2, width() - plate.width() - 2)));
         painter.setPen(Qt::NoPen);
         painter.setBrush(kPlate);
         painter.drawRoundedRect(plate, 4, 4);

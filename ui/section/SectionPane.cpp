@@ -50,7 +50,13 @@ SectionPane::SectionPane(ViewRenderer& renderer, ViewSettings& settings, bool op
     m_exaggeration->setToolTip(tr("How many times as high heights look"));
     connect(m_exaggeration, &QDoubleSpinBox::valueChanged, this, &SectionPane::exaggerationChosen);
 
-    for (QDoubleSpinBox* field : {m_width, m_exaggeration}) field->setMaximumWidth(kFieldWidth);
+    for (QDoubleSpinBox* field : {m_width, m_exaggeration}) {
+        field->setMaximumWidth(kFieldWidth);
+        // after Enter, keys go to the section again
+        connect(field, &QDoubleSpinBox::editingFinished, this, [this, field] {
+            if (field->hasFocus()) m_viewport->setFocus();
+        });
+    }
     auto* const row = new QHBoxLayout;
     row->setSpacing(4);
     row->addWidget(dimLabel(tr("Width")));

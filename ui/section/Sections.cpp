@@ -2,6 +2,7 @@
 #include "ui/section/Sections.h"
 
 #include "core/task/Progress.h"
+#include "ui/ClipFrame.h"
 #include "ui/MainMenu.h"
 #include "ui/MainWindow.h"
 #include "ui/Overlays.h"
@@ -94,7 +95,8 @@ Sections::Sections(MainWindow& window, QSplitter& splitter, WindowSettings& sett
         viewport().setDocument(active, int(workspace.documents().size()));
     });
     connect(&workspace, &Workspace::documentRemoved, this, [this](const Document* document) {
-        if (document == m_document) close();
+        if (document == m_document) return close();
+        if (m_section) m_countTimer.start();
     });
     m_countTimer.setSingleShot(true);
     m_countTimer.setInterval(kCountPause);
@@ -259,7 +261,8 @@ void Sections::show()
 {
     const auto sides = m_section->sides();
     viewport().setCuts({sides.begin(), sides.end()});
-    const QString unit = viewport().viewUnit();
+    // of the file it was drawn in, whichever is active now
+    const QString unit = m_document ? m_document->lengthUnit() : QString();
     const Attribute* const z = m_document ? m_document->findAttribute(QStringLiteral("Z")) : nullptr;
     m_band->setSection(m_section, m_fromHeight, m_toHeight);
     m_ruler->setSection(m_section, unit, z ? toQString(z->unit) : QString());
@@ -330,6 +333,7 @@ void Sections::turn()
     if (!m_section) return;
     change(m_section->turned());
     std::swap(m_fromHeight, m_toHeight);
+    if (m_job != 0) m_countTimer.start();  // what is being counted is the section before
     show();
     fit();
 }
@@ -416,7 +420,7 @@ bool Sections::eventFilter(QObject* watched, QEvent* event)
             fit();
             return true;
         case Qt::Key_Escape:
-            if (!own || m_tool->on() || m_window.measureTools().tool() ||
+            if (!own || viewport().clipFrame().dragging() || m_tool->on() || m_window.measureTools().tool() ||
                 m_window.selectTools().tool() != SelectTools::Tool::None)
                 return false;
             close();
