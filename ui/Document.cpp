@@ -103,6 +103,13 @@ void Document::forgetFigures(const QStringList& names)
     for (const QString& name : names) m_figures.erase(name);
 }
 
+void Document::setDeleted(std::shared_ptr<const PointSet> points, PointIndex count)
+{
+    m_deleted = std::move(points);
+    m_deletedPoints = count;
+    emit stateChanged();
+}
+
 void Document::setClassCounts(const std::array<std::uint64_t, 256>& counts)
 {
     m_classCounts = counts;

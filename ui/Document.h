@@ -88,9 +88,12 @@ public:
     QString lengthUnit() const;
     /// Of cameras that look at this document within `bounds`: render::viewStretch().
     glm::dvec3 viewStretch(const WorldBounds& bounds) const;
+    /// Points that an edit deleted; null: none. Views and tools leave them alone, saving leaves them out.
+    const std::shared_ptr<const PointSet>& deleted() const noexcept { return m_deleted; }
+    PointIndex deletedPoints() const noexcept { return m_deletedPoints; }
     /// Null while not known.
     const AttributeFigures* figures(const QString& name) const;
-    /// Points of each class; nothing while not known, or where the cloud has no classes.
+    /// Points of each class, without deleted ones; nothing while not known, or where the cloud has no classes.
     const std::optional<std::array<std::uint64_t, 256>>& classCounts() const noexcept { return m_classCounts; }
 
     /// In one line, what saving would change; empty when nothing, or while it is not known.
@@ -112,6 +115,7 @@ public:
     void setAttributes(std::vector<Attribute> attributes);
     void setFigures(const QString& name, const AttributeFigures& figures);
     void forgetFigures(const QStringList& names);
+    void setDeleted(std::shared_ptr<const PointSet> points, PointIndex count);
     void setClassCounts(const std::array<std::uint64_t, 256>& counts);
     void setSavedAs(const std::filesystem::path& path, LastSave save);
     void setUnsavedChanges(const QString& changes);
@@ -135,6 +139,8 @@ private:
     WorldBounds m_bounds;
     RawBounds m_rawBounds;
     std::vector<Attribute> m_attributes;
+    std::shared_ptr<const PointSet> m_deleted;
+    PointIndex m_deletedPoints = 0;
     std::map<QString, AttributeFigures> m_figures;
     std::optional<std::array<std::uint64_t, 256>> m_classCounts;
     QString m_unsavedChanges;

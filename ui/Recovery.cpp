@@ -75,8 +75,9 @@ void Recovery::noteDown(OpenCloud& data, bool edit, Progress& progress) noexcept
         if (!edit || data.history->modified())
             return tell(
                 "what was saved is being undone, and a journal begins with what is in the file. Save once.");
-        const CloudKey key = keyOf(*data.cloud, progress);
-        data.history->setJournal(Journal::create(pathOf(key), key, data.path.string()));
+        const auto kept = data.source->current->get().kept;
+        const CloudKey key = keyOf(*data.cloud, progress, kept.get());
+        data.history->setJournal(Journal::create(pathOf(key), key, data.path.string(), kept));
         data.journalTold = false;
     } catch (const std::exception& e) {  // cancelled as well: the edit will be, too
         if (!progress.cancelled()) tell(e.what());

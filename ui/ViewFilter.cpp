@@ -27,7 +27,9 @@ ViewFilter::ViewFilter(Workspace& workspace, ViewRenderer& renderer, ViewSetting
             [this](const Document* document, bool) { m_states.erase(document); });
     connect(&workspace, &Workspace::activeChanged, this, &ViewFilter::changed);
     connect(&workspace, &Workspace::cloudChanged, this, [this](Document* document, const ChangeNotice& notice) {
-        if (m_text.isEmpty() || document->loading()) return;
+        if (document->loading()) return;
+        if (notice.kind == ChangeNotice::Kind::Deleted) return apply(*document);
+        if (m_text.isEmpty()) return;
         const std::vector<std::string>& names = m_states[document].attributes;
         const bool other = notice.kind == ChangeNotice::Kind::Values && !names.empty() &&
                            std::none_of(names.begin(), names.end(), [&](const std::string& name) {
@@ -55,7 +57,7 @@ void ViewFilter::apply(Document& document)
     if (m_text.isEmpty()) {
         if (state.job != 0) m_workspace.cancel(state.job);
         state = {};
-        m_renderer.hide(document.cloud(), nullptr);
+        m_renderer.hide(document.cloud(), document.deleted());
         return;
     }
     if (state.job != 0) {
@@ -74,12 +76,15 @@ void ViewFilter::apply(Document& document)
     state.again = false;
     state.job = m_workspace.startJob(
         tr("Filter %1").arg(document.name()),
-        [cloud = document.cloud(), text = m_text.toStdString(), result](Progress& progress) {
+        [cloud = document.cloud(), deleted = document.deleted(), text = m_text.toStdString(),
+         result](Progress& progress) {
             try {
                 const expression::Condition condition(text, *cloud);
                 result->attributes = condition.attributes();
                 result->hidden = expression::selectOthers(*cloud, condition, progress);
+                if (deleted) result->hidden->remove(*deleted);
                 result->count = result->hidden->count();
+                if (deleted) result->hidden->insert(*deleted);
             } catch (const expression::ExpressionError& wrong) {
                 result->error = QString::fromUtf8(wrong.what());
             }
@@ -96,7 +101,7 @@ void ViewFilter::apply(Document& document)
                 now.count = result->count;
                 now.error = result->error;
                 now.attributes = result->attributes;
-                m_renderer.hide(target->cloud(), now.hidden);
+                m_renderer.hide(target->cloud(), now.hidden ? now.hidden : target->deleted());
             }
             if (now.again || !fine) apply(*target);
             emit changed();

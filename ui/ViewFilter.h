@@ -22,7 +22,7 @@ class Workspace;
 
 /// Keeps the view's filter, a condition over attributes, applied to all open documents: finds the points for which
 /// it does not hold by a job, tells the renderer, and does so again when values change. A document without one of
-/// the attributes is shown whole.
+/// the attributes is shown whole. Deleted points are hidden in any case.
 ///
 /// GUI thread only; borrows all three, which must outlive it.
 class ViewFilter final : public QObject
@@ -48,7 +48,7 @@ signals:
 
 private:
     struct State {
-        std::shared_ptr<const PointSet> hidden;
+        std::shared_ptr<const PointSet> hidden;  ///< deleted points among them
         quint64 count = 0;
         QString error;
         std::vector<std::string> attributes;  ///< that the condition reads

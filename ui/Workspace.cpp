@@ -152,16 +152,18 @@ void Workspace::documentReady(const std::shared_ptr<Opening>& opening)
     watch.subscription = document->cloud()->subscribe(
         [this, target = QPointer<Document>(document),
          cloud = std::weak_ptr<PointCloud>(document->cloud())](const ChangeNotice& notice) {
-            std::vector<Attribute> attributes;
-            if (notice.kind == ChangeNotice::Kind::Attributes)
-                if (const auto alive = cloud.lock()) {
-                    const std::shared_lock lock(alive->mutex());
-                    attributes = alive->attributes();
-                }
+            After after;
+            if (const auto alive = cloud.lock(); alive && notice.kind == ChangeNotice::Kind::Attributes) {
+                const std::shared_lock lock(alive->mutex());
+                after.attributes = alive->attributes();
+            } else if (alive && notice.kind == ChangeNotice::Kind::Deleted) {
+                after.deleted = deletedPoints(*alive);
+                after.deletedCount = after.deleted ? after.deleted->count() : 0;
+            }
             QMetaObject::invokeMethod(
                 this,
-                [this, target, notice, attributes = std::move(attributes)] {
-                    if (target) handleNotice(*target, notice, attributes);
+                [this, target, notice, after = std::move(after)] {
+                    if (target) handleNotice(*target, notice, after);
                 },
                 Qt::QueuedConnection);
         });
@@ -239,14 +241,18 @@ void Workspace::remove(Document& document, bool openingFailed)
 
 // -- what the values are
 
-void Workspace::handleNotice(Document& document, const ChangeNotice& notice, std::vector<Attribute> attributes)
+void Workspace::handleNotice(Document& document, const ChangeNotice& notice, After after)
 {
     if (!m_watches.contains(&document)) return;
     QStringList names;
     if (notice.kind == ChangeNotice::Kind::Attributes) {
         for (const std::string& name : notice.attributes) names << toQString(name);
         document.forgetFigures(names);
-        document.setAttributes(std::move(attributes));
+        document.setAttributes(std::move(after.attributes));
+    } else if (notice.kind == ChangeNotice::Kind::Deleted) {
+        document.setDeleted(std::move(after.deleted), after.deletedCount);
+        for (const Attribute& attribute : document.attributes())  // of which points are counted
+            if (attribute.kind == AttributeKind::Class) names << toQString(attribute.name);
     } else {
         for (const Attribute& attribute : document.attributes())
             if (notice.concerns(attribute)) names << toQString(attribute.name);
@@ -289,7 +295,7 @@ void Workspace::analyse(Document& document, const QStringList& names)
                     std::array<std::uint64_t, 256> counts;
                     {
                         const std::shared_lock lock(cloud->mutex());
-                        counts = countValues(attribute, progress);
+                        counts = countValues(attribute, progress, cloud->deleted().get());
                     }
                     deliver([counts](Document& d) { d.setClassCounts(counts); });
                 }

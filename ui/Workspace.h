@@ -124,7 +124,13 @@ private:
     void documentReady(const std::shared_ptr<Opening>& opening);
     void openingEnded(const std::shared_ptr<Opening>& opening, const JobInfo& info);
     void remove(Document& document, bool openingFailed);
-    void handleNotice(Document& document, const ChangeNotice& notice, std::vector<Attribute> attributes);
+    /// What of the cloud a notice makes out of date, as it is after the change.
+    struct After {
+        std::vector<Attribute> attributes;
+        std::shared_ptr<const PointSet> deleted;
+        PointIndex deletedCount = 0;
+    };
+    void handleNotice(Document& document, const ChangeNotice& notice, After after);
     void analyse(Document& document, const QStringList& names);
     void moveHistory(Document& document, std::size_t position, const QString& title);
     void countUnsaved(Document& document);

@@ -102,6 +102,8 @@ Json jsonOf(const Options& options, const las::Difference& d, const std::vector<
             {"points",
              {{"a", d.pointsA},
               {"b", d.pointsB},
+              {"only_a", d.onlyA},
+              {"only_b", d.onlyB},
               {"compared", d.compared},
               {"differing", d.differing},
               {"unreadable_a", d.unreadableA},

@@ -41,6 +41,8 @@ std::string_view nameOf(StepParameter::Type type)
             return "class";
         case StepParameter::Type::Rule:
             return "rule";
+        case StepParameter::Type::Condition:
+            return "condition";
         case StepParameter::Type::Choice:
             return "choice";
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/cloud/Attribute.h"
 
+#include "core/cloud/PointSet.h"
 #include "core/task/Progress.h"
 
 #include <tbb/blocked_range.h>
@@ -267,7 +268,8 @@ AttributeStatistics computeStatistics(const Attribute& attribute, std::uint32_t 
     });
 }
 
-std::array<std::uint64_t, 256> countValues(const Attribute& attribute, Progress& progress)
+std::array<std::uint64_t, 256> countValues(const Attribute& attribute, Progress& progress,
+                                        const PointSet* leftOut)
 {
     using Counts = std::array<std::uint64_t, 256>;
     return visitScalar(attribute.columns[0]->type(), [&](auto zero) {
@@ -279,7 +281,8 @@ std::array<std::uint64_t, 256> countValues(const Attribute& attribute, Progress&
                 if constexpr (std::is_integral_v<T>)
                     if (!progress.cancelled())
                         for (PointIndex i = r.begin(); i != r.end(); ++i)
-                            ++c[std::min<std::uint64_t>(255, std::uint64_t(raw(i)))];
+                            if (leftOut == nullptr || !leftOut->contains(i))
+                                ++c[std::min<std::uint64_t>(255, std::uint64_t(raw(i)))];
                 return c;
             },
             [](Counts a, const Counts& b) {

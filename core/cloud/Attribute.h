@@ -14,6 +14,7 @@
 namespace punctum
 {
 
+class PointSet;
 class Progress;
 
 /// How an attribute's values are meant, which decides how they are drawn and listed.
@@ -86,7 +87,9 @@ struct AttributeStatistics {
 /// Exact minimum, maximum and mean of one component, in parallel. Throws Cancelled.
 AttributeStatistics computeStatistics(const Attribute& attribute, std::uint32_t component, Progress& progress);
 
-/// How many points have each of the 256 class codes (or any attribute's raw value, cut at 255).
-std::array<std::uint64_t, 256> countValues(const Attribute& attribute, Progress& progress);
+/// How many points have each of the 256 class codes (or any attribute's raw value, cut at 255); those of `leftOut`
+/// (null: none) are not counted.
+std::array<std::uint64_t, 256> countValues(const Attribute& attribute, Progress& progress,
+                                        const PointSet* leftOut = nullptr);
 
 }  // namespace punctum

@@ -155,6 +155,12 @@ void PointCloud::notify(const ChangeNotice& notice) const
     for (const auto& [id, listener] : m_listeners->listeners) listener(notice);
 }
 
+std::shared_ptr<const PointSet> deletedPoints(const PointCloud& cloud)
+{
+    const std::shared_lock lock(cloud.mutex());
+    return cloud.deleted();
+}
+
 void addComposite(PointCloud& cloud, const std::string& name, AttributeKind kind,
                   const std::array<std::string, 3>& parts)
 {

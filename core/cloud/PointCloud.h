@@ -27,6 +27,7 @@ struct ChangeNotice {
     enum class Kind {
         Values,      ///< values of `attributes` changed, for the points of `points` (null: all of them)
         Attributes,  ///< attributes were added or removed (`attributes` names them)
+        Deleted,     ///< the points of `points` were deleted or restored
     };
     Kind kind = Kind::Values;
     std::vector<std::string> attributes;
@@ -128,6 +129,12 @@ public:
     /// Bounds of the points, in parallel; computed from the data, never from a header.
     RawBounds computeBounds() const;
 
+    // -- points that an edit deleted: views and tools leave them alone, and saving leaves them out; they keep
+    //    their index and their values until they are restored
+    /// Null: none. Guarded like the list of columns; a set itself never changes, so that a copy needs no lock.
+    const std::shared_ptr<const PointSet>& deleted() const noexcept { return m_deleted; }
+    void setDeleted(std::shared_ptr<const PointSet> points) { m_deleted = std::move(points); }
+
     // -- where it came from; null for a cloud made here
     const std::shared_ptr<const las::SourceFile>& source() const noexcept { return m_source; }
     void setSource(std::shared_ptr<const las::SourceFile> source) { m_source = std::move(source); }
@@ -148,10 +155,14 @@ private:
     CoordinateScale m_coordinates;
     std::vector<std::shared_ptr<Column>> m_columns;
     std::vector<Attribute> m_attributes;
+    std::shared_ptr<const PointSet> m_deleted;
     std::shared_ptr<const las::SourceFile> m_source;
     mutable std::shared_mutex m_mutex;
     std::shared_ptr<Listeners> m_listeners;
 };
+
+/// The deleted points at present; null: none. Takes cloud.mutex() shared.
+std::shared_ptr<const PointSet> deletedPoints(const PointCloud& cloud);
 
 /// Adds an attribute that shows three scalar ones together (RGB, Normal) when all three are there.
 void addComposite(PointCloud& cloud, const std::string& name, AttributeKind kind,

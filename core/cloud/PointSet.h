@@ -35,6 +35,18 @@ public:
         for (const std::uint64_t w : m_words) n += PointIndex(std::popcount(w));
         return n;
     }
+    void insert(const PointSet& others) noexcept  ///< of the same cloud
+    {
+        for (std::size_t w = 0; w < m_words.size(); ++w) m_words[w] |= others.m_words[w];
+    }
+    void remove(const PointSet& others) noexcept  ///< of the same cloud
+    {
+        for (std::size_t w = 0; w < m_words.size(); ++w) m_words[w] &= ~others.m_words[w];
+    }
+    void intersect(const PointSet& others) noexcept  ///< of the same cloud
+    {
+        for (std::size_t w = 0; w < m_words.size(); ++w) m_words[w] &= others.m_words[w];
+    }
     /// What was no member is one, and the other way round.
     void invert() noexcept
     {

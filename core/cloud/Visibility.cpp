@@ -47,8 +47,10 @@ std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility
         const std::shared_lock lock(cloud.mutex());
         if (const Attribute* const found = cloud.findAttribute("Classification")) classes = *found;
     }
-    if (!classes && !visibility.clip.any() && !visibility.filtered) return nullptr;
-    auto set = std::make_shared<PointSet>(cloud.size());
+    const auto deleted = deletedPoints(cloud);
+    if (!classes && !visibility.clip.any() && !visibility.filtered && !deleted) return nullptr;
+    auto set = deleted ? std::make_shared<PointSet>(*deleted) : std::make_shared<PointSet>(cloud.size());
+    if (!classes && !visibility.clip.any() && !visibility.filtered) return set;
     const auto words = set->words();
     progress.begin("Finding hidden points", cloud.size());
     const RawBounds inside =
@@ -72,7 +74,7 @@ std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility
                     out |= glm::dot(plane.normal, cloud.world(i)) < plane.distance;
                 hidden |= std::uint64_t(out) << (i - range.first);
             }
-            words[w] = hidden;
+            words[w] |= hidden;
         }
     });
     return set;

@@ -46,8 +46,9 @@ struct Visibility {
     Visibility() { classVisible.fill(true); }
 };
 
-/// All points that it hides, in parallel; null when it hides none. Takes cloud.mutex() shared for some 20 ms at a
-/// time. Throws Cancelled. `among`: only points near these are looked at, and others may be missing; null: all.
+/// All points that it hides, and those that are deleted, in parallel; null when there are none. Takes cloud.mutex()
+/// shared for some 20 ms at a time. Throws Cancelled. `among`: only points near these are looked at, and others may
+/// be missing; null: all.
 std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility& visibility, Progress& progress,
                                        const PointSet* among = nullptr);
 

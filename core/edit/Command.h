@@ -40,7 +40,7 @@ public:
     /// Does it if undone, undoes it if done: takes cloud.mutex() alone for the time of the swap, then notifies.
     /// Parallel; never throws; call it from a job, not the GUI thread.
     virtual void apply(PointCloud& cloud) noexcept = 0;
-    /// Makes ready for apply() what stow() put together. May throw; nothing has changed then.
+    /// Makes ready for apply(), and takes apart what stow() put together. May throw; nothing has changed then.
     virtual void prepare() {}
     /// Puts together what is kept until the next apply(), in as little memory as it takes.
     virtual void stow() noexcept {}

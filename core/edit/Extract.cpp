@@ -2,6 +2,7 @@
 #include "core/edit/Extract.h"
 
 #include "core/cloud/Slabs.h"
+#include "core/las/SourceFile.h"
 #include "core/task/Progress.h"
 
 #include <tbb/parallel_for.h>
@@ -14,9 +15,29 @@
 namespace punctum
 {
 
-std::shared_ptr<PointCloud> extracted(const PointCloud& cloud, const PointSet& points, Progress& progress)
+namespace
+{
+
+/// The source of a cloud of other points: what is noted there on saving is not the whole's.
+std::shared_ptr<const las::SourceFile> forPart(const las::SourceFile& whole)
+{
+    auto source = std::make_shared<las::SourceFile>(whole);
+    source->asRead = std::make_shared<las::Guarded<las::PointsAsRead>>();
+    source->current = std::make_shared<las::Guarded<las::CurrentFile>>();
+    source->current->set(whole.current->get());
+    las::PointsAsRead read = whole.asRead->get();
+    read.missing.clear();  // places in the whole
+    source->asRead->set(std::move(read));
+    return source;
+}
+
+}  // namespace
+
+std::shared_ptr<PointCloud> extracted(const PointCloud& cloud, const PointSet& wanted, Progress& progress)
 {
     const std::shared_lock lock(cloud.mutex());
+    PointSet points = wanted;
+    if (cloud.deleted()) points.remove(*cloud.deleted());
     const std::size_t words = points.words().size();
     const std::vector<PointIndex> ranks = points.ranks(kTaskWords);
     const std::size_t tasks = ranks.size() - 1;
@@ -50,7 +71,7 @@ std::shared_ptr<PointCloud> extracted(const PointCloud& cloud, const PointSet& p
         }
         part->addAttribute(std::move(attribute));
     }
-    part->setSource(cloud.source());
+    if (cloud.source()) part->setSource(forPart(*cloud.source()));
     return part;
 }
 

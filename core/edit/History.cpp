@@ -21,14 +21,17 @@ namespace
 
 constexpr PointIndex kGrain = 1 << 16;
 
-/// Points whose value of the attribute differs between the column and these values of it.
-PointIndex countDifferent(const Attribute& attribute, std::span<const std::byte> before, Progress& progress)
+/// Points whose value of the attribute differs between the column and these values of it, without those of
+/// `leftOut` (null: none).
+PointIndex countDifferent(const Attribute& attribute, std::span<const std::byte> before, const PointSet* leftOut,
+                          Progress& progress)
 {
     const Column& column = *attribute.columns[0];
     const std::size_t bytes = column.elementBytes();
     const std::uint64_t mask =
         attribute.bitWidth == 0 ? ~std::uint64_t(0) : attribute.maxBits() << attribute.bitShift;
     const auto differs = [&](PointIndex i) {
+        if (leftOut != nullptr && leftOut->contains(i)) return false;
         const std::byte *a = before.data() + i * bytes, *b = column.data() + i * bytes;
         if (bytes > sizeof mask) return std::memcmp(a, b, bytes) != 0;
         std::uint64_t x = 0, y = 0;
@@ -59,6 +62,7 @@ bool contains(const List& list, const Item& item)
 void History::push(std::unique_ptr<Command> command)
 {
     if (command == nullptr) return;
+    command->prepare();
     std::vector<std::unique_ptr<Command>> forgotten;  // destroyed last, outside both locks: they may be large
     const std::lock_guard changing(m_changing);
     {
@@ -200,7 +204,8 @@ std::optional<std::vector<AttributeChange>> History::changes(Progress& progress)
     }
 
     std::vector<AttributeChange> found;
-    for (const std::string& name : replaced) found.push_back({name, m_cloud->size()});
+    const PointIndex deleted = m_cloud->deleted() ? m_cloud->deleted()->count() : 0;
+    for (const std::string& name : replaced) found.push_back({name, m_cloud->size() - deleted});
     for (const auto& column : columns) {
         const std::size_t bytes = std::size_t(column->size()) * column->elementBytes();
         Buffer before(bytes);
@@ -211,7 +216,8 @@ std::optional<std::vector<AttributeChange>> History::changes(Progress& progress)
         }
         for (const Attribute& a : m_cloud->attributes()) {
             if (a.components != 1 || a.columns[0] != column || contains(added, a.name)) continue;
-            if (const PointIndex n = countDifferent(a, {before.data(), bytes}, progress); n != 0)
+            if (const PointIndex n = countDifferent(a, {before.data(), bytes}, m_cloud->deleted().get(), progress);
+                n != 0)
                 found.push_back({a.name, n});
         }
     }

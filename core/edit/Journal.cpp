@@ -79,6 +79,16 @@ std::uint64_t digestOf(const std::byte* bytes, std::size_t n, std::uint64_t seed
     return sum;
 }
 
+void takeKept(const Column& column, const KeptPoints& kept, std::byte* out)
+{
+    const std::size_t bytes = column.elementBytes();
+    for (const PointRange& run : kept.ranges()) {
+        const auto n = std::size_t(run.size()) * bytes;
+        std::memcpy(out, column.data() + run.first * bytes, n);
+        out += n;
+    }
+}
+
 // -- text
 
 std::string hex(std::uint64_t v, int digits)
@@ -139,13 +149,22 @@ std::vector<std::string_view> words(std::string_view line)
     return all;
 }
 
-std::string lineOf(const Command& command)
+/// `kept` (null: all): the points of the cloud that the file holds.
+std::string lineOf(const Command& command, const KeptPoints* kept)
 {
     const Recipe& recipe = *command.recipe();
-    std::string line = "do " + std::to_string(command.changedPoints()) + " " + escaped(command.name()) + " " +
-                       escaped(recipe.step);
+    PointIndex changed = command.changedPoints();
+    std::optional<PackedSet> within;
+    if (recipe.within) within.emplace(kept ? kept->places(*recipe.within) : *recipe.within);
+    if (kept) {
+        const auto points = command.points();
+        if (points && kept->places(*points).count() != changed)
+            throw Error("It concerns points that were deleted when the file was saved. Save once.");
+        if (!points) changed = std::min(changed, kept->count());  // it changes all points that there are
+    }
+    std::string line = "do " + std::to_string(changed) + " " + escaped(command.name()) + " " + escaped(recipe.step);
     for (const auto& [key, value] : recipe.values) line += " " + escaped(key) + "=" + escaped(value);
-    if (recipe.within) line += " @" + PackedSet(*recipe.within).text();
+    if (within) line += " @" + within->text();
     return line;
 }
 
@@ -288,7 +307,7 @@ std::string CloudKey::text() const
     return std::to_string(points) + "-" + hex(digest, 16);
 }
 
-CloudKey keyOf(const PointCloud& cloud, Progress& progress)
+CloudKey keyOf(const PointCloud& cloud, Progress& progress, const KeptPoints* kept)
 {
     const std::shared_lock lock(cloud.mutex());
     std::size_t total = 0;
@@ -296,19 +315,22 @@ CloudKey keyOf(const PointCloud& cloud, Progress& progress)
     progress.begin("Looking at the points", total);
     constexpr std::size_t kPiece = 1 << 20;  // bytes that one task digests
     CloudKey key;
-    key.points = cloud.size();
+    key.points = kept ? kept->count() : cloud.size();
     const CoordinateScale& grid = cloud.coordinates();
     for (int axis = 0; axis < 3; ++axis)
         key.digest = mixed(mixed(key.digest ^ std::bit_cast<std::uint64_t>(grid.scale[axis])) ^
                            std::bit_cast<std::uint64_t>(grid.offset[axis]));
     for (const auto& column : cloud.columns()) {
-        const std::size_t bytes = column->size() * column->elementBytes();
+        const std::size_t bytes = std::size_t(key.points) * column->elementBytes();
+        Buffer copy(kept ? bytes : 0);
+        if (kept) takeKept(*column, *kept, copy.data());
+        const std::byte* const data = kept ? copy.data() : column->data();
         std::vector<std::uint64_t> pieces((bytes + kPiece - 1) / kPiece);
         tbb::this_task_arena::isolate([&] {
             tbb::parallel_for(std::size_t(0), pieces.size(), [&](std::size_t k) {
                 if (progress.cancelled()) return;
                 const std::size_t n = std::min(kPiece, bytes - k * kPiece);
-                pieces[k] = digestOf(column->data() + k * kPiece, n, k);
+                pieces[k] = digestOf(data + k * kPiece, n, k);
                 progress.add(n);
             });
         });
@@ -341,11 +363,12 @@ std::vector<std::string> JournalContents::inForce() const
 }
 
 std::unique_ptr<Journal> Journal::create(const std::filesystem::path& path, const CloudKey& key,
-                                         const std::string& file)
+                                         const std::string& file, std::shared_ptr<const KeptPoints> kept)
 {
     std::error_code ignored;
     std::filesystem::create_directories(path.parent_path(), ignored);
     std::unique_ptr<Journal> journal(new Journal(path, openLocked(path, O_CREAT)));
+    journal->m_kept = std::move(kept);
     if (::ftruncate(journal->m_file, 0) != 0) failWriting(path);
     journal->add(std::string(kFirstLine));
     journal->add("cloud " + std::to_string(key.points) + " " + hex(key.digest, 16) + " " + escaped(file));
@@ -398,7 +421,7 @@ void Journal::done(const Command& command) noexcept
 {
     guarded([&] {
         if (!command.recipe()) throw Error("\"" + command.name() + "\" cannot be noted in the journal.");
-        add(lineOf(command));
+        add(lineOf(command, m_kept.get()));
         ++m_position;
     });
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/cloud/KeptPoints.h"
 #include "core/cloud/PointCloud.h"
 #include "core/edit/Recipe.h"
 
@@ -27,8 +28,9 @@ struct CloudKey {
     friend bool operator==(const CloudKey&, const CloudKey&) = default;
 };
 
-/// Reads all points once, in parallel: some GB a second. Takes cloud.mutex() shared. Throws Cancelled.
-CloudKey keyOf(const PointCloud& cloud, Progress& progress);
+/// Reads all points once, in parallel: some GB a second. `kept` (null: all): those of a file that lacks others, whose
+/// key this is; a column is copied at a time then. Takes cloud.mutex() shared. Throws Cancelled, Error (memory).
+CloudKey keyOf(const PointCloud& cloud, Progress& progress, const KeptPoints* kept = nullptr);
 
 /// One thing that was done.
 struct JournalEntry {
@@ -62,9 +64,11 @@ struct JournalContents {
 class Journal
 {
 public:
-    /// Begins a new journal. Throws Error when it cannot be written, or another program has it open.
+    /// Begins a new journal. `kept` (null: all): the points of the cloud that the file holds, whose places the
+    /// journal tells. Throws Error when it cannot be written, or another program has it open.
     static std::unique_ptr<Journal> create(const std::filesystem::path& path, const CloudKey& key,
-                                           const std::string& file);
+                                           const std::string& file,
+                                           std::shared_ptr<const KeptPoints> kept = nullptr);
     /// Goes on with one whose contents have been replayed; what was damaged at its end is cut off.
     static std::unique_ptr<Journal> resume(const std::filesystem::path& path);
     ~Journal();
@@ -96,6 +100,7 @@ private:
     std::uint32_t m_sum = 0;        ///< of the line before
     std::ptrdiff_t m_position = 0;  ///< commands in force that the journal knows
     std::string m_failure;
+    std::shared_ptr<const KeptPoints> m_kept;  ///< null: all
 };
 
 /// Throws Error when there is no journal, or not even its beginning can be read.

@@ -16,7 +16,7 @@ namespace punctum
 struct Recipe {
     std::string step;  ///< "set", "normals", ...
     std::map<std::string, std::string, std::less<>> values;
-    std::shared_ptr<const PointSet> within;  ///< null: all points; of "set" alone
+    std::shared_ptr<const PointSet> within;  ///< null: all points; not every step can do with some
 };
 
 }  // namespace punctum

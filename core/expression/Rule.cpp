@@ -358,8 +358,15 @@ std::unique_ptr<Command> Rule::run(const PointCloud& cloud, const PointSet* with
     Bindings bindings{m_text, &cloud, {}};
     Attribute target;
     std::vector<BoundCase> cases;
+    std::optional<PointSet> living;
     {
         const std::shared_lock lock(cloud.mutex());
+        if (cloud.deleted()) {
+            living = *cloud.deleted();
+            living->invert();
+            if (within) living->intersect(*within);
+            within = &*living;
+        }
         target = findScalar(m_rule->target, m_rule->targetByte, bindings);
         if (isCoordinate(target))
             throw ExpressionError(m_text, m_rule->targetByte,

@@ -15,18 +15,16 @@ namespace
 /// Points of one chunk that is kept as it is cut. A chunk is decoded and encoded by one thread, as a whole.
 constexpr std::uint64_t kMostInChunk = 1 << 20;
 
-/// The part of `range` (of the cloud) that is written, as written points, when it is written in one piece.
-/// `before[k]`: written points before kept[k].
-std::optional<PointRange> writtenRange(PointRange range, const std::vector<PointRange>& kept,
-                                       const std::vector<PointIndex>& before)
+/// The places where the points of a range of places `before` are `now`, when nothing of it went or came between.
+std::optional<PointRange> sameRange(PointRange range, const KeptPoints& before, const KeptPoints& now)
 {
-    const auto after = std::upper_bound(kept.begin(), kept.end(), range.first,
-                                        [](PointIndex i, const PointRange& r) { return i < r.first; });
-    if (after == kept.begin()) return {};
-    const auto k = std::size_t(after - kept.begin()) - 1;
-    if (range.last > kept[k].last) return {};
-    const PointIndex first = before[k] + (range.first - kept[k].first);
-    return PointRange{first, first + range.size()};
+    if (range.last > before.count()) return {};
+    const auto place = [&](PointIndex old) {
+        return old < before.count() ? now.placeOf(before.index(old)) : now.count();
+    };
+    const PointIndex first = place(range.first);
+    const PointIndex last = range.empty() ? first : now.placeOf(before.index(range.last - 1) + 1);
+    return last - first == range.size() ? std::optional(PointRange{first, last}) : std::nullopt;
 }
 
 /// Fills the places between `planned` (rising) with chunks of at most `size` points.
@@ -64,19 +62,13 @@ std::vector<PlannedChunk> regularChunks(PointIndex points, std::uint32_t chunkSi
     return withoutGaps({}, points, chunkSize);
 }
 
-ChunkPlan planChunks(const SourceFile& source, const LazInfo& standard, const std::vector<PointRange>& kept,
+ChunkPlan planChunks(const SourceFile& source, const LazInfo& standard, const KeptPoints& kept,
                      std::uint32_t chunkSize)
 {
-    std::vector<PointIndex> before;
-    PointIndex points = 0;
-    for (const PointRange& r : kept) {
-        before.push_back(points);
-        points += r.size();
-    }
     ChunkPlan plan;
     plan.chunkSize = chunkSize;
     const auto regular = [&] {
-        plan.chunks = regularChunks(points, chunkSize);
+        plan.chunks = regularChunks(kept.count(), chunkSize);
         return std::move(plan);
     };
 
@@ -94,18 +86,19 @@ ChunkPlan planChunks(const SourceFile& source, const LazInfo& standard, const st
     const SourceFile& s = *parsed.source;
     if (!s.compressed || parsed.laz.compressor != standard.compressor || s.layout.format != standard.format ||
         s.layout.length != standard.recordLength || s.findVlr("copc", 1) != nullptr ||
-        s.pointCount != (place.saved ? points : source.pointCount))
+        s.pointCount != (place.kept ? place.kept->count() : source.pointCount))
         return regular();
+    const KeptPoints held = place.kept ? *place.kept : KeptPoints::all(s.pointCount);
 
     std::vector<PlannedChunk> planned;
     for (const Chunk& chunk : parsed.chunks) {
         if (chunk.count > kMostInChunk) return regular();
         const PointRange range{chunk.first, chunk.first + chunk.count};
-        const auto written = place.saved ? range : writtenRange(range, kept, before);
+        const auto written = sameRange(range, held, kept);
         if (written && !chunk.cut) planned.push_back({*written, chunk});
     }
     plan.chunks =
-        withoutGaps(planned, points, std::uint32_t(std::min<std::uint64_t>(parsed.laz.chunkSize, chunkSize)));
+        withoutGaps(planned, kept.count(), std::uint32_t(std::min<std::uint64_t>(parsed.laz.chunkSize, chunkSize)));
     plan.chunkSize = commonSize(plan.chunks, parsed.laz.chunkSize);
     plan.file = std::move(file);
     plan.laz = std::move(parsed.laz);

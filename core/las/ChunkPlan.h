@@ -31,11 +31,11 @@ struct ChunkPlan {
 /// Chunks of points written one after another, each but the last with `chunkSize` points.
 std::vector<PlannedChunk> regularChunks(PointIndex points, std::uint32_t chunkSize);
 
-/// Cuts the points that are written (`kept`, ranges of the cloud) as they are cut in the file that holds the cloud
+/// Cuts the points that are written (`kept`) as they are cut in the file that holds the cloud
 /// at present, if that is a LAZ file with records of this kind and nobody changed it since, else into chunks of
 /// `chunkSize`. `standard`: what LASzip writes for such records. Chunks that lost points are cut anew.
 /// The file is opened, its points are not read. Never throws: a file that cannot be used is no origin.
-ChunkPlan planChunks(const SourceFile& source, const LazInfo& standard, const std::vector<PointRange>& kept,
+ChunkPlan planChunks(const SourceFile& source, const LazInfo& standard, const KeptPoints& kept,
                      std::uint32_t chunkSize);
 
 }  // namespace punctum::las

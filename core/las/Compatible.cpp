@@ -372,6 +372,7 @@ std::shared_ptr<PointCloud> nativeCloud(const PointCloud& cloud, std::optional<s
         if (old.layout.find(column->name()) < 0 && !old.layout.isDerived(column->name())) native->addColumn(column);
     for (const Attribute& a : cloud.attributes())
         if (!a.standard) native->addAttribute(a);
+    native->setDeleted(cloud.deleted());
     native->setSource(std::move(source));
     return native;
 }

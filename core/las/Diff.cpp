@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/cloud/Buffer.h"
+#include "core/las/Alignment.h"
 #include "core/las/Compatible.h"
 #include "core/las/File.h"
 #include "core/las/Reader.h"
@@ -25,12 +26,28 @@ namespace
 constexpr std::size_t kPieceBytes = std::size_t(1) << 18;  ///< of records fetched at once; stays in the cache
 constexpr std::size_t kBlockBytes = std::size_t(1) << 20;  ///< of files compared byte by byte
 
+/// Calls f for the parts of `range` that are in none of `gaps` (in order, without overlap).
+template <typename F>
+void forEachOutside(PointRange range, const std::vector<PointRange>& gaps, F&& f)
+{
+    auto gap = std::upper_bound(gaps.begin(), gaps.end(), range.first,
+                                [](PointIndex i, const PointRange& g) { return i < g.last; });
+    while (!range.empty()) {
+        const PointIndex end = gap == gaps.end() ? range.last : std::clamp(gap->first, range.first, range.last);
+        if (end > range.first) f(PointRange{range.first, end});
+        if (gap == gaps.end()) return;
+        range.first = std::max(end, std::min(gap->last, range.last));
+        ++gap;
+    }
+}
+
 /// Records that can be had in any order, from several threads.
 class Records
 {
 public:
     virtual ~Records() = default;
     virtual PointIndex points() const = 0;
+    virtual std::size_t length() const = 0;  ///< bytes of one
     /// Records of the points of `range`: in `scratch`, or where they are kept.
     virtual const std::byte* get(PointRange range, std::vector<std::byte>& scratch) const = 0;
     /// Points that have no record.
@@ -56,6 +73,7 @@ public:
         return scratch.data();
     }
     const std::vector<PointRange>& missing() const override { return m_none; }
+    std::size_t length() const override { return std::size_t(m_length); }
 
 private:
     File m_file;
@@ -87,6 +105,7 @@ public:
         return m_records.data() + range.first * m_length;
     }
     const std::vector<PointRange>& missing() const override { return m_missing; }
+    std::size_t length() const override { return std::size_t(m_length); }
 
 private:
     std::uint64_t m_length;
@@ -95,39 +114,85 @@ private:
     std::vector<PointRange> m_missing;
 };
 
-/// That would be written.
+/// Of a file that holds a part of the points of another one, or the other way round, at the places of that one.
+class AlignedRecords final : public Records
+{
+public:
+    /// `shared`: the points of the longer file that the shorter one holds. `ofLonger`: `records` are those of it.
+    AlignedRecords(std::unique_ptr<Records> records, const KeptPoints& shared, PointIndex longer, bool ofLonger)
+        : m_records(std::move(records)),
+          m_shared(shared),
+          m_points(ofLonger ? shared.count() : longer),
+          m_ofLonger(ofLonger)
+    {
+        if (!ofLonger)
+            forEachOutside({0, longer}, shared.ranges(), [&](PointRange gap) { m_missing.push_back(gap); });
+    }
+    PointIndex points() const override { return m_points; }
+    const std::byte* get(PointRange range, std::vector<std::byte>& scratch) const override
+    {
+        if (!m_ofLonger) {
+            const PointIndex first = m_shared.placeOf(range.first);
+            return m_records->get({first, first + range.size()}, scratch);
+        }
+        thread_local std::vector<std::byte> run;
+        scratch.clear();
+        m_shared.forEachRun(range, [&](PointRange points, PointIndex) {
+            const std::byte* const from = m_records->get(points, run);
+            scratch.insert(scratch.end(), from, from + points.size() * m_records->length());
+        });
+        return scratch.data();
+    }
+    const std::vector<PointRange>& missing() const override { return m_missing; }
+    std::size_t length() const override { return m_records->length(); }
+
+private:
+    std::unique_ptr<Records> m_records;
+    const KeptPoints& m_shared;
+    PointIndex m_points;
+    bool m_ofLonger;
+    std::vector<PointRange> m_missing;
+};
+
+/// That would be written, at the places of the file that holds the cloud at present.
 class PlannedRecords final : public Records
 {
 public:
-    /// `left out`: points of the cloud, and of the original, that are not written.
-    PlannedRecords(const RecordMaker& maker, PointIndex all) : m_maker(maker), m_all(all)
+    /// `held`: the points of the cloud that the file holds.
+    PlannedRecords(const RecordMaker& maker, const KeptPoints& held) : m_maker(maker), m_held(held)
     {
-        PointIndex next = 0, written = 0;
-        for (const PointRange& kept : maker.kept()) {
-            if (kept.first > next) m_leftOut.push_back({next, kept.first});
-            m_kept.push_back({kept, written});
-            written += kept.size();
-            next = kept.last;
+        const auto& stay = maker.kept().ranges();
+        auto next = stay.begin();
+        for (const PointRange& run : held.ranges()) {
+            const PointIndex place = held.placeOf(run.first);
+            const auto leaveOut = [&](PointIndex first, PointIndex last) {
+                if (first < last) m_leftOut.push_back({place + (first - run.first), place + (last - run.first)});
+            };
+            PointIndex at = run.first;
+            for (; next != stay.end() && next->first < run.last; ++next) {
+                leaveOut(at, std::max(at, next->first));
+                at = std::clamp(next->last, at, run.last);
+                if (next->last > run.last) break;
+            }
+            leaveOut(at, run.last);
         }
-        if (next < all) m_leftOut.push_back({next, all});
     }
-    PointIndex points() const override { return m_all; }
+    PointIndex points() const override { return m_held.count(); }
     const std::byte* get(PointRange range, std::vector<std::byte>& scratch) const override
     {
-        scratch.resize(std::size_t(range.size() * m_maker.layout().length));
-        const auto after = std::upper_bound(m_kept.begin(), m_kept.end(), range.first,
-                                            [](PointIndex i, const auto& k) { return i < k.first.first; });
-        const auto& [kept, written] = *std::prev(after);
-        const PointIndex first = range.first - kept.first + written;
-        m_maker.make({first, first + range.size()}, scratch.data());
+        scratch.resize(std::size_t(range.size()) * length());
+        m_held.forEachRun(range, [&](PointRange run, PointIndex place) {
+            const PointIndex first = m_maker.kept().placeOf(run.first);
+            m_maker.make({first, first + run.size()}, scratch.data() + (place - range.first) * length());
+        });
         return scratch.data();
     }
     const std::vector<PointRange>& missing() const override { return m_leftOut; }
+    std::size_t length() const override { return m_maker.layout().length; }
 
 private:
     const RecordMaker& m_maker;
-    PointIndex m_all;
-    std::vector<std::pair<PointRange, PointIndex>> m_kept;  ///< and points written before
+    const KeptPoints& m_held;
     std::vector<PointRange> m_leftOut;
 };
 
@@ -151,21 +216,6 @@ std::vector<PointRange> merged(std::vector<PointRange> a, const std::vector<Poin
             all.push_back(r);
     }
     return all;
-}
-
-/// Calls f for the parts of `range` that are in none of `gaps` (in order, without overlap).
-template <typename F>
-void forEachOutside(PointRange range, const std::vector<PointRange>& gaps, F&& f)
-{
-    auto gap = std::upper_bound(gaps.begin(), gaps.end(), range.first,
-                                [](PointIndex i, const PointRange& g) { return i < g.last; });
-    while (!range.empty()) {
-        const PointIndex end = gap == gaps.end() ? range.last : std::clamp(gap->first, range.first, range.last);
-        if (end > range.first) f(PointRange{range.first, end});
-        if (gap == gaps.end()) return;
-        range.first = std::max(end, std::min(gap->last, range.last));
-        ++gap;
-    }
 }
 
 /// Streams the points of one file past the records of the other, which are kept.
@@ -289,7 +339,7 @@ void addKnown(const std::vector<AttributeChange>& changes, Difference& d)
 bool dropsOrUpgrades(const Difference& d)
 {
     const auto removed = [](const auto& x) { return x.change == std::decay_t<decltype(x)>::Change::Removed; };
-    return d.pointsA > d.pointsB || std::any_of(d.attributes.begin(), d.attributes.end(), removed) ||
+    return d.onlyA != 0 || std::any_of(d.attributes.begin(), d.attributes.end(), removed) ||
            std::any_of(d.records.begin(), d.records.end(), removed) ||
            std::any_of(d.header.begin(), d.header.end(), [](const FieldDifference& f) {
                return f.name == "point_format" || f.name == "version_minor";
@@ -309,6 +359,8 @@ Difference diffFiles(const std::filesystem::path& a, const std::filesystem::path
     Difference d;
     d.pointsA = x.pointCount;
     d.pointsB = y.pointCount;
+    d.onlyA = d.pointsA - std::min(d.pointsA, d.pointsB);
+    d.onlyB = d.pointsB - std::min(d.pointsA, d.pointsB);
     compareSources(x, y, d);
     // Records of LAS are where they are; of two LAZ files, the smaller one is kept decoded.
     const bool keepA =
@@ -322,6 +374,14 @@ Difference diffFiles(const std::filesystem::path& a, const std::filesystem::path
     else
         records = std::make_unique<PlainRecords>(k);
     (keepA ? d.unreadableA : d.unreadableB) = total(records->missing());
+    // Where points were deleted, the others are compared with themselves, not with those at the same place.
+    std::optional<KeptPoints> shared;
+    const bool longerA = d.pointsA > d.pointsB;
+    if (d.pointsA != d.pointsB && records->missing().empty())
+        shared = partOf(longerA ? *readerA : *readerB, longerA ? *readerB : *readerA, progress);
+    if (shared)
+        records = std::make_unique<AlignedRecords>(std::move(records), *shared, std::max(d.pointsA, d.pointsB),
+                                                   keepA == longerA);
     comparePoints(streamed, *records, k.layout, !keepA, progress, said, d);
     if (options.bytes) d.firstByte = firstDifferentByte(a, b, progress);
     if (warnings != nullptr) *warnings = std::move(said);
@@ -339,7 +399,9 @@ SavePreview previewSave(const PointCloud& cloud, const std::filesystem::path& or
     const auto native = nativeCloud(cloud, options.pointFormat);
     WritePlan plan = planWrite(native ? *native : cloud, target, options, progress);
     const SourceFile& x = *reader->source();
-    if (x.pointCount != cloud.size())
+    const CurrentFile place = cloud.source() ? cloud.source()->current->get() : CurrentFile();
+    const KeptPoints held = place.kept && place.path == original ? *place.kept : KeptPoints::all(cloud.size());
+    if (x.pointCount != held.count())
         throw Error(original, "The file no longer holds the points that were read from it.");
     const RecordLayout layout = plannedSource(plan, cloud.coordinates()).layout;
 
@@ -347,17 +409,19 @@ SavePreview previewSave(const PointCloud& cloud, const std::filesystem::path& or
     Difference& d = preview.difference;
     d.pointsA = x.pointCount;
     d.pointsB = plan.maker->points();
+    const PlannedRecords records(*plan.maker, held);
+    d.onlyA = total(records.missing());
+    d.onlyB = d.pointsB - (d.pointsA - d.onlyA);
     if (changes != nullptr) {
         d.attributes = RecordComparer(x.layout, layout).differences({});
         addKnown(*changes, d);
     } else {
-        const PlannedRecords records(*plan.maker, cloud.size());
         std::vector<std::string> said;
         comparePoints(*reader, records, layout, true, progress, said, d);
     }
     if (plan.compressed) {
         // As write() finds out: chunks that no edit touched stay where they are, if all before them does.
-        const bool stay = d.attributes.empty() && d.pointsA == d.pointsB && plan.chunks.file != nullptr &&
+        const bool stay = d.attributes.empty() && d.onlyA == 0 && d.onlyB == 0 && plan.chunks.file != nullptr &&
                           plan.prefix.size() == x.header.pointOffset();
         plan.setCompression(stay, !stay);
     }

@@ -16,7 +16,8 @@ struct DiffOptions {
     bool bytes = false;  ///< also find the first byte in which the files differ (Difference::firstByte)
 };
 
-/// Compares two files, point k of one with point k of the other, in parallel. Memory: nothing where one of them is
+/// Compares two files, point k of one with point k of the other, in parallel. Where one lacks points of the other,
+/// and has the others in their order, each is compared with itself (partOf()). Memory: nothing where one of them is
 /// LAS, else the records of one. Warnings of both files come in `warnings`. Throws Error (a file cannot be opened
 /// or read) or Cancelled.
 Difference diffFiles(const std::filesystem::path& a, const std::filesystem::path& b, const DiffOptions& options,

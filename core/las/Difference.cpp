@@ -165,8 +165,8 @@ std::string report(const Difference& d, const std::string& a, const std::string&
     points.push_back({b, pointsText(d.pointsB)});
     if (d.unreadableA != 0) points.push_back({a, pointsText(d.unreadableA) + " cannot be read"});
     if (d.unreadableB != 0) points.push_back({b, pointsText(d.unreadableB) + " cannot be read"});
-    if (d.pointsA > d.pointsB) points.push_back({b, "lacks " + pointsText(d.pointsA - d.pointsB)});
-    if (d.pointsB > d.pointsA) points.push_back({a, "lacks " + pointsText(d.pointsB - d.pointsA)});
+    if (d.onlyA != 0) points.push_back({b, "lacks " + pointsText(d.onlyA)});
+    if (d.onlyB != 0) points.push_back({a, "lacks " + pointsText(d.onlyB)});
     points.push_back({"compared", pointsText(d.compared) + ", " + grouped(d.differing) + " differ"});
     addTable(out, "Points", points);
 
@@ -219,9 +219,8 @@ std::string summary(const Difference& d)
     if (!added.empty()) parts.push_back("new: " + list(added));
     if (!removed.empty()) parts.push_back("no longer there: " + list(removed));
     if (!retyped.empty()) parts.push_back("other types, same values: " + list(retyped));
-    if (d.pointsA != d.pointsB)
-        parts.push_back(d.pointsA > d.pointsB ? pointsText(d.pointsA - d.pointsB) + " left out"
-                                              : pointsText(d.pointsB - d.pointsA) + " added");
+    if (d.onlyA != 0) parts.push_back(pointsText(d.onlyA) + " left out");
+    if (d.onlyB != 0) parts.push_back(pointsText(d.onlyB) + " added");
     if (!d.header.empty()) {
         std::vector<std::string> groups;
         for (const FieldDifference& f : d.header) {

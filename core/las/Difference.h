@@ -63,6 +63,7 @@ struct AttributeDifference {
 /// records can notice; the container is how it is stored: LAS or LAZ, and the positions that follow from that.
 struct Difference {
     PointIndex pointsA = 0, pointsB = 0;
+    PointIndex onlyA = 0, onlyB = 0;  ///< points that the other lacks
     PointIndex compared = 0;   ///< points that are in both and could be read
     PointIndex differing = 0;  ///< of these, points of which some attribute differs that both files have
     PointIndex unreadableA = 0, unreadableB = 0;
@@ -78,7 +79,7 @@ struct Difference {
 
     bool contentEqual() const
     {
-        return pointsA == pointsB && differing == 0 && unreadableA == 0 && unreadableB == 0 && header.empty() &&
+        return onlyA == 0 && onlyB == 0 && differing == 0 && unreadableA == 0 && unreadableB == 0 && header.empty() &&
                records.empty() && !recordsReordered && bytes.empty() && attributes.empty();
     }
     bool containerEqual() const { return container.empty() && !firstByte; }

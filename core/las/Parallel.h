@@ -49,20 +49,21 @@ void forEachInOrder(std::size_t count, const Work& work)
 template <typename T, typename Add>
 T reducePoints(const std::vector<PointRange>& ranges, Progress& progress, const Add& add)
 {
-    constexpr PointIndex kGrain = 1 << 16;
-    T all;
-    for (const PointRange& range : ranges) {
-        all.include(tbb::parallel_reduce(
-            tbb::blocked_range<PointIndex>(range.first, range.last, kGrain), T{},
-            [&](const tbb::blocked_range<PointIndex>& r, T t) {
-                if (!progress.cancelled()) add(t, PointRange{r.begin(), r.end()});
-                return t;
-            },
-            [](T a, const T& b) {
-                a.include(b);
-                return a;
-            }));
-    }
+    constexpr PointIndex kPiece = 1 << 16;
+    std::vector<PointRange> pieces;  // of a few long ranges, or of millions of short ones
+    for (const PointRange& range : ranges)
+        for (PointIndex first = range.first; first < range.last; first += kPiece)
+            pieces.push_back({first, std::min(first + kPiece, range.last)});
+    const T all = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, pieces.size()), T{},
+        [&](const tbb::blocked_range<std::size_t>& r, T t) {
+            for (std::size_t k = r.begin(); k != r.end() && !progress.cancelled(); ++k) add(t, pieces[k]);
+            return t;
+        },
+        [](T a, const T& b) {
+            a.include(b);
+            return a;
+        });
     progress.check();
     return all;
 }

@@ -58,7 +58,7 @@ const T* valuesFrom(const std::shared_ptr<const Column>& column, PointIndex firs
 }  // namespace
 
 RecordMaker::RecordMaker(RecordLayout layout, std::vector<std::shared_ptr<const Column>> columns,
-                         Conversion conversion, PackedColumns packed, std::vector<PointRange> kept)
+                         Conversion conversion, PackedColumns packed, KeptPoints kept)
     : m_layout(std::move(layout)),
       m_columns(std::move(columns)),
       m_conversion(conversion),
@@ -69,31 +69,18 @@ RecordMaker::RecordMaker(RecordLayout layout, std::vector<std::shared_ptr<const 
       m_angle(m_layout.find("ScanAngle")),
       m_kept(std::move(kept))
 {
-    for (const PointRange& r : m_kept) {
-        m_before.push_back(m_points);
-        m_points += r.size();
-    }
 }
 
 void RecordMaker::make(PointRange range, std::byte* records) const
 {
-    // The kept range that the first point is in, then on from there.
-    auto k = std::size_t(std::upper_bound(m_before.begin(), m_before.end(), range.first) - m_before.begin());
-    while (range.first < range.last) {
-        const PointRange& from = m_kept[k - 1];
-        const PointIndex skip = range.first - m_before[k - 1];
-        const PointIndex n = std::min(range.size(), from.size() - skip);
-        if (m_conversion == Conversion::None) {
-            makePiece(from.first + skip, std::size_t(n), records);
-        } else {
-            for (PointIndex i = 0; i < n; i += kPiece)
-                makePiece(from.first + skip + i, std::size_t(std::min<PointIndex>(kPiece, n - i)),
-                          records + i * m_layout.length);
+    m_kept.forEachRun(range, [&](PointRange run, PointIndex) {
+        const PointIndex piece = m_conversion == Conversion::None ? run.size() : kPiece;
+        for (PointIndex i = run.first; i < run.last; i += piece) {
+            const PointIndex n = std::min(piece, run.last - i);
+            makePiece(i, std::size_t(n), records);
+            records += n * m_layout.length;
         }
-        records += n * m_layout.length;
-        range.first += n;
-        ++k;
-    }
+    });
 }
 
 void RecordMaker::makePiece(PointIndex first, std::size_t count, std::byte* records) const

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/cloud/Column.h"
+#include "core/cloud/KeptPoints.h"
 #include "core/cloud/PointCloud.h"
 #include "core/las/ExtraBytes.h"
 #include "core/las/File.h"
@@ -135,6 +136,7 @@ struct CurrentFile {
     FileStamp stamp;
     bool saved = false;    ///< written by us: it holds the points that a save writes, not those that were read
     bool pristine = true;  ///< its points and their places are those of the file that was read
+    std::shared_ptr<const KeptPoints> kept;  ///< the points of the cloud that it holds; null: all
 };
 
 /// Everything of a LAS/LAZ file that is not a point, as read: what saving writes back unless it must change.

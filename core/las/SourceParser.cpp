@@ -45,7 +45,7 @@ public:
     {
         m_s.path = m_file.path();
         m_s.fileSize = m_file.size();
-        m_s.current->set({m_file.path(), m_file.stamp(), false, true});
+        m_s.current->set({m_file.path(), m_file.stamp(), false, true, nullptr});
         readHeader();
         readVlrs();
         readCoordinates();

@@ -31,6 +31,11 @@ std::string text(std::uint64_t n)
     return std::to_string(n);
 }
 
+const char* isOrAre(PointIndex n)
+{
+    return n == 1 ? "is" : "are";
+}
+
 /// Extent and returns of the points that are written.
 struct Summary {
     RawBounds bounds;
@@ -113,10 +118,16 @@ private:
             refuse(
                 "This file was damaged when it was opened; save under another name, so that the original stays.");
         m_read = m_source->asRead->get();
-        m_kept = readable(m_cloud.size(), m_read.missing);
-        for (const PointRange& r : m_kept) m_points += r.size();
-        if (m_points != m_cloud.size())
-            note(text(m_cloud.size() - m_points) + " points that could not be read are left out.");
+        m_kept = KeptPoints(readable(m_cloud.size(), m_read.missing));
+        if (const PointIndex lost = m_cloud.size() - m_kept.count(); lost != 0)
+            note(pointsText(lost) + " that could not be read " + isOrAre(lost) + " left out.");
+        if (const PointIndex readable = m_kept.count(); m_cloud.deleted()) {
+            m_kept = m_kept.without(*m_cloud.deleted());
+            const PointIndex deleted = readable - m_kept.count();
+            note(pointsText(deleted) + " that " + (deleted == 1 ? "was" : "were") + " deleted " + isOrAre(deleted) +
+                 " left out.");
+        }
+        m_points = m_kept.count();
         m_header = m_source->header;
         m_vlrs = m_source->vlrs;
         m_plan.evlrs = m_source->evlrs;
@@ -146,7 +157,7 @@ private:
     {
         const std::uint8_t before = m_source->layout.format;
         FormatNeeds needs;
-        if (!m_options.pointFormat) needs = findNeeds(m_cloud, *m_source, m_kept, m_progress);
+        if (!m_options.pointFormat) needs = findNeeds(m_cloud, *m_source, m_kept.ranges(), m_progress);
         m_format = m_options.pointFormat.value_or(needs.formatFor(before));
         if (m_format > kLastPointFormat) refuse("There is no point format " + text(m_format) + ".");
         const std::uint8_t minorBefore = m_header.versionMinor();
@@ -260,7 +271,7 @@ private:
     void updateRanges(ExtraBytesPlan& extra)
     {
         if (!m_read.complete) return;
-        const auto now = extraBytesRanges(m_cloud, *m_source, m_kept, m_progress);
+        const auto now = extraBytesRanges(m_cloud, *m_source, m_kept.ranges(), m_progress);
         for (const ExtraBytesRange& range : now) {
             if (std::find(m_read.extra.begin(), m_read.extra.end(), range) != m_read.extra.end()) continue;
             const ExtraBytesPlan::SourceItem& item = extra.sourceItems[range.item];
@@ -418,7 +429,7 @@ private:
     void refuseLosses()
     {
         const std::uint8_t from = m_source->layout.format;
-        const std::string losses = findLosses(m_cloud, *m_source, m_kept, m_format, m_progress);
+        const std::string losses = findLosses(m_cloud, *m_source, m_kept.ranges(), m_format, m_progress);
         if (!losses.empty()) refuse(losses);
         if (m_format == from) return;
         if (isExtendedFormat(m_format) && !hasGpsTime(from) && findColumn(m_cloud, "GpsTime") == nullptr)
@@ -503,7 +514,7 @@ private:
         const RecordLayout& from = m_source->layout;
         const auto returns = from.compatible ? column(from.derived.front().column) : column("Returns");
         const std::uint8_t mask = isExtendedFormat(from.shownFormat()) ? 15 : 7;
-        return reducePoints<Summary>(m_kept, m_progress, [&](Summary& s, PointRange r) {
+        return reducePoints<Summary>(m_kept.ranges(), m_progress, [&](Summary& s, PointRange r) {
             const std::int32_t* axes[] = {m_cloud.rawX().data(), m_cloud.rawY().data(), m_cloud.rawZ().data()};
             std::int32_t low[3], high[3];
             for (int a = 0; a < 3; ++a) {
@@ -641,7 +652,7 @@ private:
     PointsAsRead m_read;
     bool m_made = false;          ///< the cloud was made here
     bool m_restructured = false;  ///< the record or the points' figures change: the file is no longer its maker's
-    std::vector<PointRange> m_kept;
+    KeptPoints m_kept;
     PointIndex m_points = 0;
     Header m_header;
     std::vector<Vlr> m_vlrs;

@@ -31,12 +31,12 @@ public:
     /// `columns[k]` fills field k of `layout`; null: zeros. `packed`: what a conversion takes its fields from.
     /// `kept`: the points that are written, in order.
     RecordMaker(RecordLayout layout, std::vector<std::shared_ptr<const Column>> columns, Conversion conversion,
-                PackedColumns packed, std::vector<PointRange> kept);
+                PackedColumns packed, KeptPoints kept);
 
     const RecordLayout& layout() const noexcept { return m_layout; }
-    PointIndex points() const noexcept { return m_points; }
-    /// The points of the cloud that are written, in order.
-    const std::vector<PointRange>& kept() const noexcept { return m_kept; }
+    PointIndex points() const noexcept { return m_kept.count(); }
+    /// The points of the cloud that are written.
+    const KeptPoints& kept() const noexcept { return m_kept; }
     /// Writes the records of `range` (of the written points) to `records`. May be called from several threads.
     void make(PointRange range, std::byte* records) const;
 
@@ -49,9 +49,7 @@ private:
     PackedColumns m_packed;
     int m_returns, m_flags, m_classes,
         m_angle;  ///< fields of m_layout: Returns, Classes or Flags and so on; -1: none
-    std::vector<PointRange> m_kept;
-    std::vector<PointIndex> m_before;  ///< written points before each kept range
-    PointIndex m_points = 0;
+    KeptPoints m_kept;
 };
 
 /// All of a file that is to be written, but for the points themselves, which `maker` makes.

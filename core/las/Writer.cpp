@@ -240,7 +240,11 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
         if (isCopcName(path))
             plan.notes.push_back(
                 "The name ends in .copc.laz, but the file is an ordinary LAZ file; give it another name.");
-        if (source != nullptr) source->current->set({file.target(), stamp, true, pristine});
+        if (source != nullptr) {
+            const bool all = maker.points() == cloud.size();
+            source->current->set({file.target(), stamp, true, pristine,
+                                  all ? nullptr : std::make_shared<const KeptPoints>(maker.kept())});
+        }
         WriteReport report;
         report.points = maker.points();
         report.bytes = written.bytes;

@@ -51,6 +51,7 @@ std::vector<NearPoint> nearestTo(const PointCloud& cloud, PointIndex point, std:
     if (count == 0 || point >= cloud.size()) return {};
     const std::shared_lock lock(cloud.mutex());
     const std::array<std::span<const std::int32_t>, 3> raw{cloud.rawX(), cloud.rawY(), cloud.rawZ()};
+    const PointSet* const deleted = cloud.deleted().get();
     const glm::dvec3 unit = cloud.coordinates().scale * stretch;
     const std::array<double, 3> from{double(raw[0][point]), double(raw[1][point]), double(raw[2][point])};
     // Isolated: while it waits for its helpers, this thread must not pick up work that wants the lock it holds.
@@ -63,7 +64,8 @@ std::vector<NearPoint> nearestTo(const PointCloud& cloud, PointIndex point, std:
                     const double x = (double(raw[0][i]) - from[0]) * unit.x,
                                  y = (double(raw[1][i]) - from[1]) * unit.y,
                                  z = (double(raw[2][i]) - from[2]) * unit.z;
-                    if (i != point) nearest.add({i, x * x + y * y + z * z});
+                    if (i != point && (deleted == nullptr || !deleted->contains(i)))
+                        nearest.add({i, x * x + y * y + z * z});
                 }
                 return nearest;
             },

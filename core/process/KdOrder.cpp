@@ -37,9 +37,11 @@ KdOrder::KdOrder(const PointCloud& cloud, Progress& progress)
 {
     if (cloud.size() > UINT32_MAX)
         throw Error("This step handles up to 4,294,967,295 points; split the cloud first.");
+    std::shared_ptr<const PointSet> deleted;
     {
         const std::shared_lock lock(cloud.mutex());
         for (std::size_t a = 0; a < 3; ++a) m_columns[a] = cloud.columns()[a];
+        deleted = cloud.deleted();
     }
     for (std::size_t a = 0; a < 3; ++a) {
         m_axes[a] = m_columns[a]->values<std::int32_t>().data();
@@ -59,7 +61,7 @@ KdOrder::KdOrder(const PointCloud& cloud, Progress& progress)
         sample[k] = std::uint32_t(first + (h >> 32) % (last - first));
     }
     chooseSplits(sample, progress);
-    sortIntoLeaves(progress);
+    sortIntoLeaves(deleted.get(), progress);
     computeBoxes(progress);
 }
 
@@ -105,8 +107,9 @@ void KdOrder::split(std::size_t node, std::uint32_t* first, std::uint32_t* last,
     }
 }
 
-void KdOrder::sortIntoLeaves(Progress& progress)
+void KdOrder::sortIntoLeaves(const PointSet* leftOut, Progress& progress)
 {
+    constexpr std::uint32_t kNoLeaf = UINT32_MAX;
     const std::size_t n = m_columns[0]->size();
     std::vector<std::uint32_t> leafOf(n);
     const auto firstOf = [n](std::size_t range) { return std::size_t(std::uint64_t(range) * n / kRanges); };
@@ -124,6 +127,10 @@ void KdOrder::sortIntoLeaves(Progress& progress)
     std::vector<std::vector<std::uint32_t>> counts(kRanges, std::vector<std::uint32_t>(m_leaves));
     forRanges([&](std::size_t range, std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
+            if (leftOut != nullptr && leftOut->contains(i)) {
+                leafOf[i] = kNoLeaf;
+                continue;
+            }
             std::size_t node = 1;
             while (node < m_leaves) {
                 const Split s = m_splits[node];
@@ -140,9 +147,10 @@ void KdOrder::sortIntoLeaves(Progress& progress)
         for (auto& count : counts) at += std::exchange(count[leaf], at);
     }
     m_leafStart[m_leaves] = at;
-    m_order.resize(n);
+    m_order.resize(at);
     forRanges([&](std::size_t range, std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) m_order[counts[range][leafOf[i]]++] = std::uint32_t(i);
+        for (std::size_t i = first; i < last; ++i)
+            if (leafOf[i] != kNoLeaf) m_order[counts[range][leafOf[i]]++] = std::uint32_t(i);
     });
 }
 

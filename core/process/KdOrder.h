@@ -13,7 +13,7 @@ namespace punctum {
 
 class Progress;
 
-/// The points of a cloud sorted into the leaves of a kd-tree (Bentley 1975), each with its tight box.
+/// The points of a cloud, but for deleted ones, sorted into the leaves of a kd-tree (Bentley 1975), each with its tight box.
 ///
 /// It serves two ends: near points lie together, so that the cloud can be worked on piece by piece whatever its
 /// density; and the exact neighbours of a single point can be found across all pieces. The splits are the medians
@@ -45,6 +45,7 @@ public:
     /// Takes cloud.mutex() shared for a moment. Throws Cancelled, and Error when there are more than 2^32 points.
     KdOrder(const PointCloud& cloud, Progress& progress);
 
+    /// Of the points in it.
     std::size_t size() const noexcept { return m_order.size(); }
     /// Nodes of the tree are numbered from 1 (the root); the children of n are 2n and 2n + 1.
     const Box& box(std::size_t node) const noexcept { return m_boxes[node]; }
@@ -111,7 +112,7 @@ private:
     }
     void chooseSplits(std::vector<std::uint32_t>& sample, const Progress& progress);
     void split(std::size_t node, std::uint32_t* first, std::uint32_t* last, const Progress& progress);
-    void sortIntoLeaves(Progress& progress);
+    void sortIntoLeaves(const PointSet* leftOut, Progress& progress);
     void computeBoxes(Progress& progress);
 
     std::array<std::shared_ptr<const Column>, 3> m_columns;

@@ -2,7 +2,6 @@
 #include "core/process/MakeCommand.h"
 
 #include "core/Error.h"
-#include "core/expression/Rule.h"
 #include "core/process/Step.h"
 
 namespace punctum
@@ -14,14 +13,8 @@ std::unique_ptr<Command> makeCommand(const Recipe& recipe, const PointCloud& clo
     if (step == nullptr) throw Error("There is no step \"" + recipe.step + "\".");
     if (recipe.within && recipe.within->size() != cloud.size())
         throw Error("The points that are to change are those of another cloud.");
-    const StepValues values = completeValues(*step, recipe.values);
-    std::unique_ptr<Command> command;
-    if (!recipe.within)
-        command = step->run(cloud, values, progress);
-    else if (recipe.step == "set" && !values.contains("new"))
-        command = expression::Rule(values.at("rule")).run(cloud, recipe.within.get(), progress);
-    else
-        throw Error("The step " + recipe.step + " changes all points, not some of them.");
+    auto command = recipe.within ? step->runWithin(cloud, recipe.values, *recipe.within, progress)
+                                 : step->run(cloud, recipe.values, progress);
     if (command) command->setRecipe(recipe);
     return command;
 }

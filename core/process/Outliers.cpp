@@ -26,6 +26,8 @@ struct Sums {
     double sum = 0, squares = 0;
 };
 
+constexpr float kNone = -1;  ///< distance of a deleted point
+
 /// Sums of blocks, added in the order of the blocks: the same on any number of threads.
 Sums sumUp(const std::vector<float>& distances, const Progress& progress)
 {
@@ -34,6 +36,7 @@ Sums sumUp(const std::vector<float>& distances, const Progress& progress)
         if (progress.cancelled()) return;
         const std::size_t last = std::min(distances.size(), (b + 1) * kBlock);
         for (std::size_t i = b * kBlock; i < last; ++i) {
+            if (distances[i] == kNone) continue;
             blocks[b].sum += double(distances[i]);
             blocks[b].squares += double(distances[i] * distances[i]);  // squared as a float, as PCL has it
         }
@@ -91,9 +94,12 @@ std::unique_ptr<Command> OutliersStep::run(const PointCloud& cloud, const StepVa
     // Of k points or fewer none has k neighbours; nothing is unusual then.
     if (cloud.size() <= k) return nullptr;
 
-    std::vector<float> distances(cloud.size());
+    std::vector<float> distances(cloud.size(), kNone);
+    double count = 0;
     {
         const KdOrder order(cloud, progress);
+        if (order.size() <= k) return nullptr;
+        count = double(order.size());
         forEachNearest(order, k + 1, "Measuring distances", progress, [&](const Neighborhood& n) {
             double sum = 0;
             for (std::size_t j = 1; j <= k; ++j) sum += double(std::sqrt(n.squared[j]));  // 0 is the point itself
@@ -101,7 +107,6 @@ std::unique_ptr<Command> OutliersStep::run(const PointCloud& cloud, const StepVa
         });
     }
     const Sums sums = sumUp(distances, progress);
-    const auto count = double(cloud.size());
     const double mean = sums.sum / count;
     const double variance = (sums.squares - sums.sum * sums.sum / count) / (count - 1);
     const double threshold = mean + *realValue(complete, "deviations") * std::sqrt(std::max(0.0, variance));

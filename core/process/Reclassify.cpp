@@ -247,6 +247,7 @@ std::unique_ptr<Command> ReclassifyStep::run(const PointCloud& cloud, const Step
             matchWords<T>(attribute, range, realMin, realMax, classes, std::uint8_t(code), *points, first, last);
         });
     });
+    if (const auto deleted = deletedPoints(cloud)) points->remove(*deleted);
     return makeClassCommand("Reclassify to " + classLabel(code), classes, std::move(points), code);
 }
 

@@ -41,4 +41,12 @@ std::unique_ptr<Command> SetByRuleStep::run(const PointCloud& cloud, const StepV
     return rule.add(cloud, ScalarType(chosen), nullptr, progress);
 }
 
+std::unique_ptr<Command> SetByRuleStep::runWithin(const PointCloud& cloud, const StepValues& values,
+                                                  const PointSet& within, Progress& progress) const
+{
+    const StepValues complete = completeValues(*this, values);
+    if (!textValue(complete, "new").empty()) return Step::runWithin(cloud, complete, within, progress);
+    return expression::Rule(complete.at("rule")).run(cloud, &within, progress);
+}
+
 }  // namespace punctum

@@ -16,6 +16,8 @@ public:
     std::vector<StepParameter> parameters() const override;
     std::unique_ptr<Command> run(const PointCloud& cloud, const StepValues& values,
                                  Progress& progress) const override;
+    std::unique_ptr<Command> runWithin(const PointCloud& cloud, const StepValues& values, const PointSet& within,
+                                       Progress& progress) const override;
 };
 
 }  // namespace punctum

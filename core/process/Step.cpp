@@ -2,7 +2,9 @@
 #include "core/process/Step.h"
 
 #include "core/Error.h"
+#include "core/expression/Condition.h"
 #include "core/expression/Rule.h"
+#include "core/process/Delete.h"
 #include "core/process/Normals.h"
 #include "core/process/Outliers.h"
 #include "core/process/Reclassify.h"
@@ -69,6 +71,7 @@ const StepParameter* findParameter(const std::vector<StepParameter>& parameters,
 
 [[noreturn]] void refuseKey(const Step& step, const std::vector<StepParameter>& parameters, std::string_view key)
 {
+    if (parameters.empty()) throw Error(step.name() + " takes no values.");
     throw Error(step.name() + " has no key \"" + std::string(key) + "\"; its keys are " +
                 enumerate(parameters, [](const StepParameter& p) { return p.key; }) + ".");
 }
@@ -84,6 +87,7 @@ std::string demand(const StepParameter& p)
 {
     if (p.type == StepParameter::Type::AttributeName) return "the name of an attribute";
     if (p.type == StepParameter::Type::Rule) return "a rule such as Classification = 2 if Z < 12.5";
+    if (p.type == StepParameter::Type::Condition) return "a condition such as Classification == 7";
     if (p.type == StepParameter::Type::Choice)
         return "one of " + enumerate(p.choices, [](const std::string& choice) { return choice; });
     std::string text = p.type == StepParameter::Type::Real ? "a number" : "a whole number";
@@ -100,6 +104,9 @@ void checkValue(const Step& step, const StepParameter& p, const std::string& tex
     } else if (p.type == StepParameter::Type::Rule) {
         fits = !text.empty();
         if (fits) expression::Rule{text};  // refuses by itself, and says where
+    } else if (p.type == StepParameter::Type::Condition) {
+        fits = !text.empty();
+        if (fits) expression::Condition::check(text);
     } else if (p.type == StepParameter::Type::Choice) {
         fits = std::find(p.choices.begin(), p.choices.end(), text) != p.choices.end();
     } else if (const auto number = parseNumber(text)) {
@@ -115,6 +122,11 @@ void checkValue(const Step& step, const StepParameter& p, const std::string& tex
 }
 
 }  // namespace
+
+std::unique_ptr<Command> Step::runWithin(const PointCloud&, const StepValues&, const PointSet&, Progress&) const
+{
+    throw Error("The step " + name() + " changes all points, not some of them.");
+}
 
 std::optional<Value> parseNumber(std::string_view text)
 {
@@ -160,7 +172,10 @@ std::span<const Step* const> allSteps()
     static const OutliersStep outliers;
     static const ReclassifyStep reclassify;
     static const SetByRuleStep setByRule;
-    static const std::array<const Step*, 4> steps{&normals, &outliers, &reclassify, &setByRule};
+    static const DeleteStep deleteStep;
+    static const RestoreStep restore;
+    static const std::array<const Step*, 6> steps{&normals,   &outliers,   &reclassify,
+                                                  &setByRule, &deleteStep, &restore};
     return steps;
 }
 

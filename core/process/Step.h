@@ -17,7 +17,7 @@ class Progress;
 
 /// One parameter of a processing step, as the panel shows it and the command line names it.
 struct StepParameter {
-    enum class Type { Integer, Real, AttributeName, ClassCode, Rule, Choice };
+    enum class Type { Integer, Real, AttributeName, ClassCode, Rule, Condition, Choice };
     std::string key;    ///< "k"
     std::string label;  ///< "Neighbors"
     std::string help;   ///< one line
@@ -48,6 +48,9 @@ public:
     /// The command that has the effect; null when nothing would change.
     virtual std::unique_ptr<Command> run(const PointCloud& cloud, const StepValues& values,
                                          Progress& progress) const = 0;
+    /// The same for these points alone. Throws Error where the step cannot do that.
+    virtual std::unique_ptr<Command> runWithin(const PointCloud& cloud, const StepValues& values,
+                                               const PointSet& within, Progress& progress) const;
 };
 
 /// All steps there are, in the order they are listed to users.

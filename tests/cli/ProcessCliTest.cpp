@@ -101,8 +101,32 @@ private slots:
         QVERIFY(steps.size() >= 3);
         for (const auto& step : steps) {
             QVERIFY(!step.toObject()["help"].toString().isEmpty());
-            QVERIFY(!step.toObject()["parameters"].toArray().isEmpty());
+            QVERIFY(step.toObject()["name"] == QLatin1String("restore") ||
+                    !step.toObject()["parameters"].toArray().isEmpty());
         }
+    }
+
+    void deletes()
+    {
+        const QString real = realFile("autzen_trim.laz");
+        if (!QFile::exists(real)) QSKIP("autzen_trim.laz is not here.");
+        const Outcome run = runPunctum({"process", real, "-o", path("left.laz"), "--step",
+                                        "delete where='Classification == 1'", "--step", "set rule='UserData = 3'"});
+        PUNCTUM_EXIT(run, 0);
+        QVERIFY2(run.err.contains("were deleted are left out"), run.said());
+        std::uint64_t others = 0;
+        LaszipFile(real).forEach([&](const laszip_point_struct& p) { others += p.classification != 1; });
+        QVERIFY(others > 0);
+        QCOMPARE(LaszipFile(path("left.laz")).forEach([](const laszip_point_struct& p) {
+            QVERIFY(p.classification != 1);
+            QCOMPARE(int(p.user_data), 3);
+        }),
+                 others);
+        const Outcome diff = runPunctum({"diff", real, path("left.laz")});
+        PUNCTUM_EXIT(diff, 1);
+        QVERIFY2(diff.out.contains("lacks") && diff.out.contains("UserData") && !diff.out.contains("Intensity"),
+                 diff.said());
+        PUNCTUM_EXIT(runPunctum({"process", real, "-o", path("no.laz"), "--step", "delete"}), 2);
     }
 
     void upgradesOnlyWhenTold()

@@ -2,6 +2,7 @@
 // Commands and History: what is done can be undone, exactly, and the history keeps its rules.
 #include "core/edit/History.h"
 
+#include "core/edit/DeleteCommand.h"
 #include "core/task/Progress.h"
 #include "tests/core/MadeCloud.h"
 
@@ -501,6 +502,16 @@ void EditTest::randomEditsComeBack()
         const unsigned dense = 1 + unsigned(random() % 4) * 100;
         const PointIndex first = random() % kSize, last = first + random() % (kSize - first);
         for (PointIndex i = first; i <= last; i += 1 + random() % dense) points->insert(i);
+        if (k % 10 == 5) {  // points are deleted, or what is deleted is restored
+            const auto deleted = cloud->deleted();
+            if (deleted && k % 30 == 5) {
+                history.push(std::make_unique<DeleteCommand>("restore", deleted));
+                continue;
+            }
+            if (deleted) points->remove(*deleted);
+            history.push(std::make_unique<DeleteCommand>("delete", std::move(points)));
+            continue;
+        }
         const PointIndex count = points->count();
         std::vector<std::byte> values;
         const bool equal = random() % 2 == 0;

@@ -56,7 +56,7 @@ Edit editOf(std::uint64_t seed, int k)
         return points;
     };
     edit.recipe.step = "set";
-    switch (random() % 4) {
+    switch (random() % 6) {
         case 0:
             edit.recipe.values["rule"] = "Classification = " + std::to_string(random() % 32);
             edit.recipe.within = set();
@@ -69,6 +69,14 @@ Edit editOf(std::uint64_t seed, int k)
             edit.recipe.values["rule"] =
                 "\"Big id\" = \"Big id\" * 3 % 1000003 + " + std::to_string(random() % 1000);
             edit.recipe.within = set();
+            break;
+        case 3:
+            edit.recipe.step = "delete";
+            edit.recipe.within = set();
+            break;
+        case 4:
+            edit.recipe.step = random() % 2 == 0 ? "restore" : "delete";
+            if (edit.recipe.step == "delete") edit.recipe.values["where"] = "Z < 0.1";
             break;
         default:
             edit.recipe.step = "reclassify";

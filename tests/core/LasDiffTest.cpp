@@ -606,6 +606,7 @@ void LasDiffTest::summaries()
     d.records = {r};
     d.pointsA = 10;
     d.pointsB = 9;
+    d.onlyA = 1;
     QCOMPARE_STRING(las::summary(d),
                     "Red and Green of 5 points; Classification of 1,204 points; new: NormalX; 1 point left out; "
                     "creation date and software in the header; record copc/1 removed");

@@ -98,12 +98,16 @@ inline std::span<std::int32_t> rawAxis(PointCloud& cloud, std::size_t axis)
     return cloud.columns()[axis]->values<std::int32_t>();
 }
 
-/// Every byte of every column, to compare states of a cloud.
+/// Every byte of every column, and what is deleted, to compare states of a cloud.
 inline std::vector<std::vector<std::byte>> snapshot(const PointCloud& cloud)
 {
     std::vector<std::vector<std::byte>> bytes;
     for (const auto& column : cloud.columns())
         bytes.emplace_back(column->data(), column->data() + column->size() * column->elementBytes());
+    if (const auto& deleted = cloud.deleted()) {
+        const auto words = std::as_bytes(deleted->words());
+        bytes.emplace_back(words.begin(), words.end());
+    }
     return bytes;
 }
 

@@ -3,7 +3,10 @@
 #include "SelectBench.h"
 
 #include "core/edit/History.h"
+#include "core/edit/Journal.h"
 #include "core/expression/Condition.h"
+#include "core/las/Diff.h"
+#include "core/process/Replay.h"
 #include "core/task/Progress.h"
 #include "ui/MainMenu.h"
 #include "ui/Recovery.h"
@@ -27,6 +30,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <vector>
 
 using namespace punctum;
@@ -341,7 +345,77 @@ private slots:
         QCOMPARE(b.document->data()->history->position(), std::size_t(0));
     }
 
-    void deleteMarksAndSelectedPointsGoToAnotherFile()
+    void deletedPointsAreGoneUntilRestored()
+    {
+        NEED_AUTZEN();
+        const QTemporaryDir folder;
+        const QString file = folder.filePath(QStringLiteral("a.laz")),
+                      settings = folder.filePath(QStringLiteral("s.ini"));
+        QVERIFY(QFile::copy(dataFile(kAutzen), file));
+        const auto press = [](Bench& b, Qt::Key key, Qt::KeyboardModifiers modifiers) {
+            const auto history = b.document->data()->history;
+            const std::size_t before = history->position();
+            QTest::keyClick(&b.view(), key, modifiers);
+            return waitFor([&] { return history->position() != before; }) && b.done();
+        };
+        Bench b(settings);
+        QVERIFY(b.begin(Tool::Rectangle, file));
+        const PointIndex all = b.document->points();
+        const auto before = b.frame();
+        b.drag(b.at(0.3, 0.3), b.at(0.6, 0.6));
+        QVERIFY(b.done());
+        const auto points = b.points();
+        QVERIFY(press(b, Qt::Key_Delete, {}));
+        QVERIFY(!b.points());
+        QCOMPARE(b.document->deletedPoints(), points->count());
+        QVERIFY(waitFor([&] { return difference(before->image, b.frame()->image) > 0.01; }));
+        const auto& counts = *b.document->classCounts();
+        QCOMPARE(std::accumulate(counts.begin(), counts.end(), std::uint64_t(0)), all - points->count());
+        b.selection().selectAll();
+        QVERIFY(b.done());
+        QCOMPARE(b.selection().count(), all - points->count());
+        b.selection().clear();
+        QVERIFY(press(b, Qt::Key_Z, Qt::ControlModifier));
+        QCOMPARE(b.document->deletedPoints(), PointIndex(0));
+        QVERIFY(waitFor([&] { return b.frame()->image == before->image; }));
+        QVERIFY(press(b, Qt::Key_Y, Qt::ControlModifier));
+        QVERIFY2(waitFor([&] { return b.document->unsavedChanges().contains(QLatin1String("left out")); }),
+                 qPrintable(b.document->unsavedChanges()));
+
+        // saved: the file lacks them, the window still has them
+        b.window->save();
+        QVERIFY(waitFor([&] { return !b.window->isWindowModified(); }) && b.done());
+        QVERIFY(b.document->lastSave()->sentence.contains(QLatin1String("left out")));
+        Progress progress;
+        QCOMPARE(las::load(file.toStdString(), progress)->size(), all - points->count());
+        // a crash after further edits: the journal is of the file that was saved
+        b.selection().selectAll();
+        QVERIFY(b.done());
+        QVERIFY(press(b, Qt::Key_6, {}));
+        const QDir journals(folder.filePath(QStringLiteral("journals")));
+        const QStringList found = journals.entryList({QStringLiteral("*.journal")}, QDir::Files);
+        QCOMPARE(found.size(), 1);
+        const JournalContents journal = readJournal(journals.filePath(found.front()).toStdString());
+        QCOMPARE(journal.key.points, all - points->count());
+        {
+            const auto reopened = las::load(file.toStdString(), progress);
+            History history(reopened);
+            QCOMPARE(replay(journal, *reopened, history, progress).stopped, std::string());
+            const Attribute& classes = *reopened->findAttribute("Classification");
+            for (PointIndex i = 0; i < reopened->size(); ++i) QCOMPARE(classes.number(i), 6.0);
+        }
+        QVERIFY(press(b, Qt::Key_Z, Qt::ControlModifier));
+        QVERIFY(press(b, Qt::Key_Delete, Qt::ShiftModifier));
+        QCOMPARE(b.document->deletedPoints(), PointIndex(0));
+        b.window->save();
+        QVERIFY(waitFor([&] { return !b.window->isWindowModified(); }) && b.done());
+        const las::Difference same =
+            las::diffFiles(dataFile(kAutzen).toStdString(), file.toStdString(), {}, progress);
+        QVERIFY2(same.differing == 0 && same.pointsB == all,
+                 qPrintable(QString::fromStdString(las::summary(same))));
+    }
+
+    void withheldIsAFlagAndSelectedPointsGoToAnotherFile()
     {
         NEED_AUTZEN();
         Bench b;
@@ -350,10 +424,10 @@ private slots:
         QVERIFY(b.done());
         const auto points = b.points();
         const Attribute withheld = *b.document->findAttribute(QStringLiteral("Withheld"));
-        QVERIFY(b.runEdit([&] { b.key(Qt::Key_Delete); }));
+        QVERIFY(b.runEdit([&] { b.window->editDock().setWithheld(true); }));
         for (PointIndex i = 0; i < b.document->points(); ++i)
             QCOMPARE(withheld.number(i), points->contains(i) ? 1.0 : 0.0);
-        QVERIFY(b.runEdit([&] { QTest::keyClick(&b.view(), Qt::Key_Delete, Qt::ShiftModifier); }));
+        QVERIFY(b.runEdit([&] { b.window->editDock().setWithheld(false); }));
         for (PointIndex i = 0; i < b.document->points(); ++i) QCOMPARE(withheld.number(i), 0.0);
 
         const QString part = b.folder.filePath(QStringLiteral("part.laz"));

@@ -67,15 +67,16 @@ std::vector<PropertySection> documentProperties(const Document& document)
         if (!save->details.isEmpty()) saved.rows.push_back({{}, tr("Show exactly what differs"), save->details});
         sections.push_back(saved);
     }
-    sections.push_back(
-        {tr("File"),
-         {{tr("Name"), document.name()},
-          {tr("Folder"), document.path().section(QLatin1Char('/'), 0, -2)},
-          {tr("Size"), bytesText(source.fileSize)},
-          {tr("Points"), document.missingPoints() == 0
-                             ? countText(document.points())
-                             : tr("%1, of which %2 could not be read")
-                                   .arg(countText(document.points()), countText(document.missingPoints()))}}});
+    QString points = countText(document.points());
+    if (document.missingPoints() != 0)
+        points = tr("%1, of which %2 could not be read").arg(points, countText(document.missingPoints()));
+    if (document.deletedPoints() != 0)
+        points = tr("%1, %2 of them deleted").arg(points, countText(document.deletedPoints()));
+    sections.push_back({tr("File"),
+                        {{tr("Name"), document.name()},
+                         {tr("Folder"), document.path().section(QLatin1Char('/'), 0, -2)},
+                         {tr("Size"), bytesText(source.fileSize)},
+                         {tr("Points"), points}}});
     sections.push_back({tr("Format"),
                         {{tr("LAS version"), toQString(source.header.version())},
                          {tr("Point format"), source.layout.compatible ? tr("%1, stored as %2 (compatibility mode)")

@@ -217,6 +217,7 @@ QString ProcessingDock::valueOf(const Field& field) const
         case StepParameter::Type::Choice:
             return static_cast<QComboBox*>(field.widget)->currentData().toString();
         case StepParameter::Type::Rule:
+        case StepParameter::Type::Condition:
             return static_cast<QLineEdit*>(field.widget)->text().trimmed();
         case StepParameter::Type::Integer:
         case StepParameter::Type::Real:

@@ -195,12 +195,11 @@ void EditDock::fillClasses()
 
 void EditDock::takeState()
 {
-    const bool ready = m_document && !m_document->loading() && m_job == 0;
-    const bool selected = ready && m_selection.count() > 0;
-    m_setClass->setEnabled(selected);
-    for (QPushButton* button : m_neighbors) button->setEnabled(selected);
-    for (QPushButton* button : {m_select, m_preview, m_apply}) button->setEnabled(ready);
-    m_selectedOnly->setEnabled(selected);
+    const bool some = ready() && m_selection.count() > 0;
+    m_setClass->setEnabled(some);
+    for (QPushButton* button : m_neighbors) button->setEnabled(some);
+    for (QPushButton* button : {m_select, m_preview, m_apply}) button->setEnabled(ready());
+    m_selectedOnly->setEnabled(some);
     const QString unit = m_document ? m_document->coordinateUnit() : QString();
     m_distance->setSuffix(unit.isEmpty() ? QString() : QLatin1Char(' ') + unit);
 }
@@ -217,67 +216,96 @@ void EditDock::say(const QString& text)
 
 void EditDock::setClass(unsigned to, std::optional<unsigned> from)
 {
-    if (m_selection.count() == 0) return say(tr("Select the points first."));
+    const auto points = selected();
+    if (!points) return;
     QString rule = QStringLiteral("Classification = %1").arg(to);
     if (from) rule += QStringLiteral(" if Classification == %1").arg(*from);
-    runRule(rule, true, tr("Set class %1").arg(classText(to)));
+    runRule(rule, points, tr("Set class %1").arg(classText(to)));
 }
 
 void EditDock::setWithheld(bool withheld)
 {
-    if (m_selection.count() == 0) return say(tr("Select the points first."));
-    runRule(QStringLiteral("Withheld = %1").arg(withheld ? 1 : 0), true, withheld ? tr("Withhold") : tr("Restore"));
+    if (const auto points = selected())
+        runRule(QStringLiteral("Withheld = %1").arg(withheld ? 1 : 0), points,
+                withheld ? tr("Set withheld") : tr("Clear withheld"));
+}
+
+void EditDock::deleteSelected()
+{
+    if (const auto points = selected()) run(Recipe{"delete", {}, points}, tr("Delete"));
+}
+
+void EditDock::restoreDeleted()
+{
+    run(Recipe{"restore", {}, nullptr}, tr("Restore deleted points"));
+}
+
+bool EditDock::ready() const
+{
+    return m_document && !m_document->loading() && m_job == 0;
+}
+
+std::shared_ptr<const PointSet> EditDock::selected()
+{
+    auto points = m_selection.points(m_document);
+    if (!points) say(tr("Select the points first."));
+    return points;
+}
+
+std::shared_ptr<const PointSet> EditDock::ruleScope() const
+{
+    return m_selectedOnly->isEnabled() && m_selectedOnly->isChecked() ? m_selection.points(m_document) : nullptr;
+}
+
+std::optional<expression::Rule> EditDock::parsed(const QString& rule)
+{
+    try {
+        return expression::Rule(rule.trimmed().toStdString());
+    } catch (const Error& e) {
+        say(toQString(std::string(e.what())));
+        return std::nullopt;
+    }
 }
 
 void EditDock::applyRule()
 {
-    runRule(m_rule->text(), m_selectedOnly->isEnabled() && m_selectedOnly->isChecked(), tr("Set by rule"));
+    runRule(m_rule->text(), ruleScope(), tr("Set by rule"));
 }
 
-void EditDock::runRule(const QString& text, bool withinSelection, const QString& title)
+void EditDock::runRule(const QString& text, std::shared_ptr<const PointSet> within, const QString& title)
 {
-    if (!m_document || m_document->loading() || m_job != 0) return;
-    std::optional<expression::Rule> rule;
-    try {
-        rule.emplace(text.trimmed().toStdString());
-    } catch (const Error& e) {
-        return say(toQString(std::string(e.what())));
-    }
-    const auto within = withinSelection ? m_selection.points(m_document) : nullptr;
-    m_job = m_workspace.edit(*m_document, title, Recipe{"set", {{"rule", rule->text()}}, within},
-                             [this, title](const JobInfo& info, const Workspace::EditOutcome& outcome) {
-                                 m_job = 0;
-                                 takeState();
-                                 if (info.state == JobState::Failed) say(toQString(info.error));
-                                 if (info.state == JobState::Cancelled) say(tr("Cancelled, nothing changed."));
-                                 if (info.state == JobState::Finished)
-                                     say(outcome.changed == 0
-                                             ? tr("%1: no point had to change.").arg(title)
-                                             : tr("%1: %2 changed.").arg(title, pointsText(outcome.changed)));
-                             });
+    if (const auto rule = parsed(text)) run(Recipe{"set", {{"rule", rule->text()}}, std::move(within)}, title);
+}
+
+void EditDock::run(const Recipe& recipe, const QString& title)
+{
+    if (!ready()) return;
+    m_job = m_workspace.edit(
+        *m_document, title, recipe, [this, title](const JobInfo& info, const Workspace::EditOutcome& outcome) {
+            m_job = 0;
+            takeState();
+            if (info.state == JobState::Failed) say(toQString(info.error));
+            if (info.state == JobState::Cancelled) say(tr("Cancelled, nothing changed."));
+            if (info.state == JobState::Finished)
+                say(outcome.changed == 0 ? tr("%1: no point had to change.").arg(title)
+                                         : tr("%1: %2 changed.").arg(title, pointsText(outcome.changed)));
+        });
     takeState();
 }
 
 void EditDock::previewRule()
 {
-    if (!m_document || m_document->loading() || m_job != 0) return;
-    std::optional<expression::Rule> rule;
-    try {
-        rule.emplace(m_rule->text().trimmed().toStdString());
-    } catch (const Error& e) {
-        return say(toQString(std::string(e.what())));
-    }
+    const auto rule = parsed(m_rule->text());
+    if (!ready() || !rule) return;
     struct Found {
         std::shared_ptr<const PointSet> points;
         PointIndex count = 0;
         QString classes;
     };
     const auto found = std::make_shared<Found>();
-    const bool only = m_selectedOnly->isEnabled() && m_selectedOnly->isChecked();
     m_job = m_workspace.startJob(
         tr("Preview of the rule"),
-        [rule = *rule, cloud = m_document->cloud(), within = only ? m_selection.points(m_document) : nullptr,
-         found](Progress& progress) {
+        [rule = *rule, cloud = m_document->cloud(), within = ruleScope(), found](Progress& progress) {
             const auto command = rule.run(*cloud, within.get(), progress);
             if (!command) return;
             found->points = command->points();

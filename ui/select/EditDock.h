@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/edit/Recipe.h"
+#include "core/expression/Rule.h"
 #include "core/task/Jobs.h"
 
 #include <QDockWidget>
 #include <QPointer>
 
 #include <array>
+#include <memory>
 #include <optional>
 
 class QCheckBox;
@@ -34,8 +37,12 @@ public:
     void setDocument(Document* document);
     /// Gives the selected points the class; those of class `from` alone, when it is given.
     void setClass(unsigned to, std::optional<unsigned> from = {});
-    /// Marks the selected points as withheld (deleted, in the standard's words), or takes the mark away.
+    /// Sets or clears the selected points' flag of that name, the standard's mark of points that were deleted.
     void setWithheld(bool withheld);
+    /// Deletes the selected points: saving leaves them out.
+    void deleteSelected();
+    /// Takes back all that was deleted of the document, saved or not.
+    void restoreDeleted();
     QLineEdit& rule() noexcept { return *m_rule; }
     QCheckBox& selectedOnly() noexcept { return *m_selectedOnly; }
     QPushButton& previewButton() noexcept { return *m_preview; }
@@ -54,8 +61,17 @@ private:
     void selectByRule();
     void say(const QString& text);
     void takeState();
-    /// Runs the rule's command, and applies it or not.
-    void runRule(const QString& rule, bool withinSelection, const QString& title);
+    /// The points that a rule may change, as the box says; null: all.
+    std::shared_ptr<const PointSet> ruleScope() const;
+    /// Says what is wrong with it, and gives nothing then.
+    std::optional<expression::Rule> parsed(const QString& rule);
+    void runRule(const QString& rule, std::shared_ptr<const PointSet> within, const QString& title);
+    /// Does what the recipe says, and tells the result.
+    void run(const Recipe& recipe, const QString& title);
+    /// Whether the document is there, and nothing else is being done.
+    bool ready() const;
+    /// The selected points; says so where there are none.
+    std::shared_ptr<const PointSet> selected();
 
     Workspace& m_workspace;
     Selection& m_selection;

@@ -96,10 +96,15 @@ void SelectBar::addActions()
     add(tr("&Invert"), QKeySequence(Qt::CTRL | Qt::Key_I), tr("Select what is not selected"),
         [this] { m_selection.invert(); });
     m_select->addSeparator();
-    add(tr("Mark as &Deleted (Withheld)"), QKeySequence(Qt::Key_Delete),
-        tr("Mark the selected points as withheld, the standard's word for deleted"),
+    add(tr("&Delete"), QKeySequence(Qt::Key_Delete),
+        tr("Delete the selected points; the file lacks them once it is saved"),
+        [this] { m_window.editDock().deleteSelected(); });
+    add(tr("&Restore All Deleted"), QKeySequence(Qt::SHIFT | Qt::Key_Delete),
+        tr("Take back all points of this file that were deleted since it was opened"),
+        [this] { m_window.editDock().restoreDeleted(); });
+    add(tr("Set &Withheld"), {}, tr("Set the flag that the standard has for deleted points; the file keeps them"),
         [this] { m_window.editDock().setWithheld(true); });
-    add(tr("&Restore"), QKeySequence(Qt::SHIFT | Qt::Key_Delete), tr("Take that mark off the selected points"),
+    add(tr("Clear Wit&hheld"), {}, tr("Clear that flag of the selected points"),
         [this] { m_window.editDock().setWithheld(false); });
     add(tr("&Save Selected Points As..."), {}, tr("Write the selected points alone to another file"),
         [this] { saveSelected(); });

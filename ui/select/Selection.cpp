@@ -25,6 +25,11 @@ Selection::Selection(Workspace& workspace, ViewRenderer& renderer, const ViewSet
         m_states.erase(document);
         emit changed();
     });
+    connect(&m_workspace, &Workspace::cloudChanged, this,
+            [this](const Document* document, const ChangeNotice& notice) {
+                if (notice.kind == ChangeNotice::Kind::Deleted && document == active() && points(document))
+                    dropDeleted();
+            });
     connect(&m_workspace, &Workspace::activeChanged, this, [this] {
         abandon();
         emit changed();
@@ -177,6 +182,18 @@ void Selection::askNeighbors(const QString& title,
         const KdOrder order(*view.cloud, progress);
         PointSet all = change(*before, order, progress);
         keepTouchable(all, *view.cloud, touchable(*view.cloud, all, progress), progress);
+        return all;
+    };
+    ask(std::move(task));
+}
+
+void Selection::dropDeleted()
+{
+    Task task;
+    task.title = tr("Select");
+    task.work = [](const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view, Progress&) {
+        PointSet all = before ? *before : PointSet(view.cloud->size());
+        if (const auto deleted = deletedPoints(*view.cloud)) all.remove(*deleted);
         return all;
     };
     ask(std::move(task));

@@ -112,6 +112,7 @@ private:
     };
 
     Document* active() const;
+    void dropDeleted();
     void ask(Task task);
     void askShape(ScreenMask mask, bool live);
     void startNext();
