@@ -154,6 +154,7 @@ void MainWindow::addDocks()
 {
     m_attributes = new AttributesDock(*m_workspace, *m_view, this);
     m_classes = new ClassesDock(*m_view, this);
+    connect(m_classes, &ClassesDock::selectWanted, m_selection, &Selection::selectClass);
     m_processing = new ProcessingDock(*m_workspace, this);
     m_edit = new EditDock(*m_workspace, *m_selection, this);
     m_history = new HistoryDock(*m_workspace, this);

@@ -43,6 +43,8 @@ std::string_view nameOf(StepParameter::Type type)
             return "rule";
         case StepParameter::Type::Condition:
             return "condition";
+        case StepParameter::Type::Text:
+            return "text";
         case StepParameter::Type::Choice:
             return "choice";
     }

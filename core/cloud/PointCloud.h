@@ -114,6 +114,12 @@ public:
     void addAttribute(Attribute attribute);
     /// Takes the attribute, and its columns when no other attribute shows them, out of the cloud.
     void removeAttribute(std::string_view name);
+    /// Trades the lists for others: the first columns and attributes stay those of the standard's fields.
+    void exchangeLists(std::vector<std::shared_ptr<Column>>& columns, std::vector<Attribute>& attributes) noexcept
+    {
+        m_columns.swap(columns);
+        m_attributes.swap(attributes);
+    }
     /// Puts it in the place of the attribute of the same name. Its columns are added where they are not there yet;
     /// those that no attribute shows any longer go.
     void replaceAttribute(const Attribute& attribute);

@@ -54,10 +54,10 @@ public:
     /// Whether the cloud differs from what was last saved (or loaded).
     bool modified() const;
     void markSaved();
-    /// What differs from what was last saved (or loaded), but for points deleted since: values that really are other ones, not those that were
-    /// changed and changed back. Attributes that were not there then are left out; of those that were replaced by
-    /// others of the same name, all points count. Nothing when that state can no
-    /// longer be reached. Waits for a change that goes on; memory: a column at a time. Throws Cancelled.
+    /// What differs from what was last saved (or loaded), but for points deleted since: values that really are other
+    /// ones, not those that were changed and changed back. Attributes that were not there then are left out; of
+    /// those that were replaced by others of the same name, all points count. Nothing when that state can no longer
+    /// be reached. Waits for a change that goes on; memory: a column at a time. Throws Cancelled.
     std::optional<std::vector<AttributeChange>> changes(Progress& progress) const;
     std::vector<std::string> names() const;  ///< oldest first
     std::size_t memory() const;              ///< bytes that the commands keep, about

@@ -79,6 +79,14 @@ std::uint64_t digestOf(const std::byte* bytes, std::size_t n, std::uint64_t seed
     return sum;
 }
 
+/// The name that a file has for it: that of the attribute that shows it, where it was renamed.
+std::string nameOf(const Column& column, const PointCloud& cloud)
+{
+    for (const Attribute& a : cloud.attributes())
+        if (!a.standard && a.components == 1 && a.columns[0].get() == &column) return a.name;
+    return column.name();
+}
+
 void takeKept(const Column& column, const KeptPoints& kept, std::byte* out)
 {
     const std::size_t bytes = column.elementBytes();
@@ -335,7 +343,7 @@ CloudKey keyOf(const PointCloud& cloud, Progress& progress, const KeptPoints* ke
             });
         });
         progress.check();
-        const std::string& name = column->name();
+        const std::string name = nameOf(*column, cloud);
         key.digest = mixed(key.digest ^ digestOf(reinterpret_cast<const std::byte*>(name.data()), name.size(),
                                                  std::uint64_t(column->type())));
         for (const std::uint64_t piece : pieces) key.digest = mixed(key.digest ^ piece);

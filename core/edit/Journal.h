@@ -28,8 +28,8 @@ struct CloudKey {
     friend bool operator==(const CloudKey&, const CloudKey&) = default;
 };
 
-/// Reads all points once, in parallel: some GB a second. `kept` (null: all): those of a file that lacks others, whose
-/// key this is; a column is copied at a time then. Takes cloud.mutex() shared. Throws Cancelled, Error (memory).
+/// Reads all points once, in parallel: some GB a second. `kept` (null: all): those of a file that lacks others, the
+/// key is that file's; a column is copied at a time then. Takes cloud.mutex() shared. Throws Cancelled, Error.
 CloudKey keyOf(const PointCloud& cloud, Progress& progress, const KeptPoints* kept = nullptr);
 
 /// One thing that was done.

@@ -31,8 +31,8 @@ public:
     /// The command that has the effect; null when nothing would change.
     ///
     /// Takes cloud.mutex() shared while reading, changes nothing. `within` (null: all) are the points that may
-    /// change; deleted ones never do. A value that the attribute cannot hold is an Error; points whose value is none keep theirs, unless
-    /// the attribute has a value for none. Throws ExpressionError, Error, Cancelled.
+    /// change, but for deleted ones. A value that the attribute cannot hold is an Error; points whose value is none
+    /// keep theirs, unless the attribute has a value for none. Throws ExpressionError, Error, Cancelled.
     std::unique_ptr<Command> run(const PointCloud& cloud, const PointSet* within, Progress& progress) const;
     /// The same for an attribute that the cloud does not have yet: adds it with this type; 0 where no case holds.
     std::unique_ptr<Command> add(const PointCloud& cloud, ScalarType type, const PointSet* within,

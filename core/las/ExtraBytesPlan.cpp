@@ -13,7 +13,7 @@ namespace
 {
 
 constexpr std::size_t kLongestRun = 255;  ///< of bytes without a description, in one descriptor
-constexpr std::size_t kNoDataAt = 40;
+constexpr std::size_t kNameAt = 4, kNameBytes = 32, kNoDataAt = 40;
 
 class Planner
 {
@@ -46,7 +46,15 @@ private:
         for (const ExtraBytesItem& item : parseExtraBytes(records, standard, m_from.length, ignored)) {
             const std::size_t n = item.opaque ? 1 : item.values;
             bool whole = true;
-            for (std::size_t k = 0; k < n; ++k) whole = whole && matching(m_from.fields[field + k]) != nullptr;
+            for (std::size_t k = 0; k < n; ++k) {
+                const RecordField& f = m_from.fields[field + k];
+                const auto c = matching(f);
+                whole = whole && c != nullptr;
+                const std::string name = c != nullptr ? nameOf(*c) : f.column;
+                if (name == f.column) continue;
+                m_plan.renamed.push_back(f.column + " to " + name);
+                whole = false;  // described anew, under its name
+            }
             m_plan.sourceItems.push_back({item.record, item.place, {}});
             if (whole) {
                 m_plan.sourceItems.back().descriptor = m_plan.descriptors.size();
@@ -54,7 +62,8 @@ private:
             }
             for (std::size_t k = 0; k < n; ++k, ++field) {
                 const auto c = take(m_from.fields[field]);
-                if (c != nullptr && !whole) m_plan.descriptors.push_back(describe(*c));
+                if (c == nullptr || whole) continue;
+                m_plan.descriptors.push_back(n == 1 ? named(item.descriptor, nameOf(*c)) : describe(*c));
             }
         }
         for (; field < m_from.fields.size(); ++field)  // bytes that nobody described
@@ -77,7 +86,7 @@ private:
             else
                 m_plan.descriptors.push_back(describe(*c));
             m_plan.columns.push_back(c);
-            m_plan.added.push_back(c->name());
+            m_plan.added.push_back(nameOf(*c));
         }
     }
 
@@ -107,12 +116,32 @@ private:
         }
     }
 
+    const Attribute* attributeOf(const Column& c) const
+    {
+        for (const Attribute& a : m_cloud.attributes())
+            if (a.components == 1 && a.bitWidth == 0 && a.columns[0].get() == &c) return &a;
+        return nullptr;
+    }
+
+    /// Fields of the standard that are kept in extra bytes (compatibility mode) are called otherwise there.
+    std::string nameOf(const Column& c) const
+    {
+        const Attribute* const shown = attributeOf(c);
+        return shown != nullptr && !shown->standard ? shown->name : c.name();
+    }
+
+    static ExtraBytesDescriptor named(ExtraBytesDescriptor d, const std::string& name)
+    {
+        const std::string cut = cutUtf8(name, kNameBytes);
+        std::fill_n(d.bytes.begin() + kNameAt, kNameBytes, std::byte(0));
+        std::memcpy(d.bytes.data() + kNameAt, cut.data(), cut.size());
+        return d;
+    }
+
     ExtraBytesDescriptor describe(const Column& c) const
     {
         ExtraBytesField field{c.name(), c.type(), {}, {}, {}};
-        const Attribute* shown = nullptr;
-        for (const Attribute& a : m_cloud.attributes())
-            if (a.components == 1 && a.bitWidth == 0 && a.columns[0].get() == &c) shown = &a;
+        const Attribute* const shown = attributeOf(c);
         if (shown == nullptr) return makeDescriptor(field);
         field.name = shown->name;
         field.description = shown->description;

@@ -24,10 +24,11 @@ struct ExtraBytesPlan {
         std::optional<std::size_t> descriptor;
     };
     std::vector<SourceItem> sourceItems;
-    std::vector<std::string> added;  ///< columns that the source's record does not have
-    std::vector<std::string> gone;   ///< columns of the source's record that are no more
+    std::vector<std::string> added;    ///< columns that the source's record does not have
+    std::vector<std::string> gone;     ///< columns of the source's record that are no more
+    std::vector<std::string> renamed;  ///< "Old to New"
     /// The source's own records describe the columns as they are.
-    bool unchanged() const { return added.empty() && gone.empty(); }
+    bool unchanged() const { return added.empty() && gone.empty() && renamed.empty(); }
 };
 
 /// The source's extra bytes as they are, then whatever column of the cloud is neither one of `standard` (the

@@ -263,6 +263,7 @@ private:
             return s;
         };
         if (!extra.added.empty()) note("Stored as extra bytes: " + list(extra.added) + ".");
+        if (!extra.renamed.empty()) note("Renamed: " + list(extra.renamed) + ".");
         if (!extra.gone.empty()) note("No longer in the file: " + list(extra.gone) + ".");
     }
 

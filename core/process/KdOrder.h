@@ -13,8 +13,8 @@ namespace punctum {
 
 class Progress;
 
-/// The points of a cloud, but for deleted ones, sorted into the leaves of a kd-tree (Bentley 1975), each with its tight box.
-///
+/// The points of a cloud, but for deleted ones, sorted into the leaves of a kd-tree (Bentley 1975), each with its
+/// tight box.
 /// It serves two ends: near points lie together, so that the cloud can be worked on piece by piece whatever its
 /// density; and the exact neighbours of a single point can be found across all pieces. The splits are the medians
 /// of a sample, so that sorting is one parallel pass that can be cancelled, and the same on any number of threads.

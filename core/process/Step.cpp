@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "core/expression/Condition.h"
 #include "core/expression/Rule.h"
+#include "core/process/AttributeList.h"
 #include "core/process/Delete.h"
 #include "core/process/Normals.h"
 #include "core/process/Outliers.h"
@@ -16,9 +17,11 @@
 #include <charconv>
 #include <cmath>
 
-namespace punctum {
+namespace punctum
+{
 
-namespace {
+namespace
+{
 
 /// "a, b and c"
 template <typename Items, typename NameOf>
@@ -37,7 +40,10 @@ std::string stepNames()
     return enumerate(allSteps(), [](const Step* s) { return s->name(); });
 }
 
-bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool isSpace(char c)
+{
+    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
 
 /// Takes the next word; "..." or '...' inside it keeps spaces, so that attribute="Echo width" is one word.
 std::string takeWord(std::string_view& text)
@@ -87,6 +93,7 @@ std::string demand(const StepParameter& p)
 {
     if (p.type == StepParameter::Type::AttributeName) return "the name of an attribute";
     if (p.type == StepParameter::Type::Rule) return "a rule such as Classification = 2 if Z < 12.5";
+    if (p.type == StepParameter::Type::Text) return "a text";
     if (p.type == StepParameter::Type::Condition) return "a condition such as Classification == 7";
     if (p.type == StepParameter::Type::Choice)
         return "one of " + enumerate(p.choices, [](const std::string& choice) { return choice; });
@@ -99,7 +106,7 @@ std::string demand(const StepParameter& p)
 void checkValue(const Step& step, const StepParameter& p, const std::string& text)
 {
     bool fits = false;
-    if (p.type == StepParameter::Type::AttributeName) {
+    if (p.type == StepParameter::Type::AttributeName || p.type == StepParameter::Type::Text) {
         fits = !text.empty();
     } else if (p.type == StepParameter::Type::Rule) {
         fits = !text.empty();
@@ -174,8 +181,10 @@ std::span<const Step* const> allSteps()
     static const SetByRuleStep setByRule;
     static const DeleteStep deleteStep;
     static const RestoreStep restore;
-    static const std::array<const Step*, 6> steps{&normals,   &outliers,   &reclassify,
-                                                  &setByRule, &deleteStep, &restore};
+    static const RenameStep rename;
+    static const RemoveStep remove;
+    static const std::array<const Step*, 8> steps{&normals,    &outliers, &reclassify, &setByRule,
+                                                  &deleteStep, &restore,  &rename,     &remove};
     return steps;
 }
 

@@ -17,7 +17,7 @@ class Progress;
 
 /// One parameter of a processing step, as the panel shows it and the command line names it.
 struct StepParameter {
-    enum class Type { Integer, Real, AttributeName, ClassCode, Rule, Condition, Choice };
+    enum class Type { Integer, Real, AttributeName, ClassCode, Rule, Condition, Choice, Text };
     std::string key;    ///< "k"
     std::string label;  ///< "Neighbors"
     std::string help;   ///< one line

@@ -198,11 +198,14 @@ void ProcessTest::errorsSayWhatToDo_data()
 {
     QTest::addColumn<QString>("text");
     QTest::addColumn<QString>("sentence");
-    QTest::newRow("empty") << ""
-                           << "Name a step; the steps are normals, outliers, reclassify, set, delete and restore.";
+    QTest::newRow("empty")
+        << ""
+        << "Name a step; the steps are normals, outliers, reclassify, set, delete, restore, rename "
+           "and remove.";
     QTest::newRow("unknown")
         << "smooth k=3"
-        << "There is no step \"smooth\"; the steps are normals, outliers, reclassify, set, delete and restore.";
+        << "There is no step \"smooth\"; the steps are normals, outliers, reclassify, set, delete, restore, rename "
+           "and remove.";
     QTest::newRow("key") << "normals n=3"
                          << "normals has no key \"n\"; its keys are k and radius.";
     QTest::newRow("no value") << "normals k"

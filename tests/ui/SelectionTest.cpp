@@ -10,9 +10,15 @@
 #include "core/task/Progress.h"
 #include "ui/MainMenu.h"
 #include "ui/Recovery.h"
+#include "ui/Text.h"
 #include "ui/ViewSettings.h"
 #include "ui/Viewport.h"
 #include "ui/Workspace.h"
+#include "ui/docks/AttributeActions.h"
+#include "ui/docks/AttributesDock.h"
+#include "ui/docks/AttributesModel.h"
+#include "ui/docks/ClassesDock.h"
+#include "ui/docks/ClassesModel.h"
 #include "ui/docks/HistoryDock.h"
 #include "ui/select/EditDock.h"
 #include "ui/select/SelectBar.h"
@@ -23,8 +29,10 @@
 #include <QDir>
 #include <QFile>
 #include <QFileInfo>
+#include <QInputDialog>
 #include <QLineEdit>
 #include <QListWidget>
+#include <QMenu>
 #include <QPushButton>
 #include <QWheelEvent>
 
@@ -36,6 +44,18 @@
 using namespace punctum;
 using namespace punctum::ui;
 using namespace punctum::ui::test;
+
+namespace
+{
+
+QStringList attributeNamesOf(const Document& document)
+{
+    QStringList names;
+    for (const Attribute& a : document.attributes()) names << toQString(a.name);
+    return names;
+}
+
+}  // namespace
 
 class SelectionTest : public QObject
 {
@@ -413,6 +433,79 @@ private slots:
             las::diffFiles(dataFile(kAutzen).toStdString(), file.toStdString(), {}, progress);
         QVERIFY2(same.differing == 0 && same.pointsB == all,
                  qPrintable(QString::fromStdString(las::summary(same))));
+    }
+
+    void attributesAreAddedRenamedAndRemoved()
+    {
+        NEED_AUTZEN();
+        Bench b;
+        QVERIFY(b.begin(Tool::None));
+        AttributesDock& dock = b.window->attributesDock();
+        const auto choose = [&](const QString& attribute, const QString& text) {
+            const std::unique_ptr<QMenu> menu(dock.actions().makeMenu(dock.model().indexOf(attribute)));
+            for (QAction* action : menu->actions()) {
+                if (!action->text().remove(QLatin1Char('&')).startsWith(text)) continue;
+                if (!action->isEnabled()) return false;
+                action->trigger();
+                return true;
+            }
+            return false;
+        };
+        const auto names = [&] { return attributeNamesOf(*b.document); };
+        const QStringList before = names();
+        QVERIFY(!choose(QStringLiteral("Intensity"), QStringLiteral("Rename")));
+        QVERIFY(!choose(QStringLiteral("Intensity"), QStringLiteral("Remove")));
+
+        QVERIFY(choose({}, QStringLiteral("Add")));
+        auto* dialog = dock.findChild<QDialog*>();
+        QVERIFY(dialog && waitFor([&] { return dialog->isVisible(); }));
+        const auto edits = dialog->findChildren<QLineEdit*>();
+        QCOMPARE(edits.size(), 2);
+        QTest::keyClicks(edits[0], QStringLiteral("Above 400"));
+        edits[1]->clear();
+        QTest::keyClicks(edits[1], QStringLiteral("Z - 400"));
+        QVERIFY(b.runEdit([&] { QTest::keyClick(edits[1], Qt::Key_Return); }));
+        QVERIFY(names().contains(QStringLiteral("Above 400")));
+        const Attribute added = *b.document->findAttribute(QStringLiteral("Above 400"));
+        QVERIFY(std::abs(added.number(7) - (b.document->cloud()->world(7).z - 400)) < 1e-3);
+
+        emit dock.attributeChosen(QStringLiteral("Above 400"));
+        QVERIFY(b.settle(QStringLiteral("Above 400")));
+        QVERIFY(choose(QStringLiteral("Above 400"), QStringLiteral("Rename")));
+        auto* input = dock.findChild<QInputDialog*>();
+        QVERIFY(input && waitFor([&] { return input->isVisible(); }));
+        input->setTextValue(QStringLiteral("Height"));
+        QVERIFY(b.runEdit([&] { QTest::keyClick(input, Qt::Key_Return); }));
+        QVERIFY(names().contains(QStringLiteral("Height")) && !names().contains(QStringLiteral("Above 400")));
+        QVERIFY(waitFor([&] { return b.frame()->attribute == QLatin1String("Height"); }));  // it is still shown
+        QVERIFY(b.runEdit([&] { choose(QStringLiteral("Height"), QStringLiteral("Remove")); }));
+        QCOMPARE(names(), before);
+        QTest::keyClick(&b.view(), Qt::Key_Z, Qt::ControlModifier);
+        QVERIFY(waitFor([&] { return names().contains(QStringLiteral("Height")); }));
+    }
+
+    void classesAreSelectedByTheirMenu()
+    {
+        NEED_AUTZEN();
+        Bench b;
+        QVERIFY(b.begin(Tool::None));
+        ClassesDock& dock = b.window->classesDock();
+        QVERIFY(waitFor([&] { return dock.model().rowCount() >= 2; }));
+        const auto& counts = *b.document->classCounts();
+        const auto codeOf = [&](int row) {
+            return dock.model().index(row, 0).data(ClassesModel::CodeRole).toUInt();
+        };
+        const auto choose = [&](int row, int action) {
+            const std::unique_ptr<QMenu> menu(dock.makeMenu(dock.model().index(row, 0)));
+            menu->actions().at(action)->trigger();
+            return b.done();
+        };
+        QVERIFY(choose(0, 0));
+        QCOMPARE(b.selection().count(), counts[codeOf(0)]);
+        QVERIFY(choose(1, 1));
+        QCOMPARE(b.selection().count(), counts[codeOf(0)] + counts[codeOf(1)]);
+        QVERIFY(choose(0, 2));
+        QCOMPARE(b.selection().count(), counts[codeOf(1)]);
     }
 
     void withheldIsAFlagAndSelectedPointsGoToAnotherFile()

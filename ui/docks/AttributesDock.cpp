@@ -2,6 +2,7 @@
 #include "ui/docks/AttributesDock.h"
 
 #include "ui/Workspace.h"
+#include "ui/docks/AttributeActions.h"
 #include "ui/docks/AttributesModel.h"
 #include "ui/docks/ColorPanel.h"
 #include "ui/style/Icons.h"
@@ -130,6 +131,7 @@ AttributesDock::AttributesDock(Workspace& workspace, ViewSettings& settings, QWi
       m_workspace(workspace),
       m_model(new AttributesModel(this)),
       m_view(new AttributesView),
+      m_actions(new AttributeActions(workspace, *m_model, *m_view, this)),
       m_colors(new ColorPanel(settings)),
       m_files(new QComboBox)
 {
@@ -146,6 +148,7 @@ AttributesDock::AttributesDock(Workspace& workspace, ViewSettings& settings, QWi
         if (index.data(AttributesModel::DrawableRole).toBool())
             emit attributeChosen(index.data(AttributesModel::NameRole).toString());
     });
+    connect(m_actions, &AttributeActions::shownRenamed, this, &AttributesDock::attributeChosen);
     connect(m_files, &QComboBox::activated, this, [this](int row) {
         const auto& documents = m_workspace.documents();
         if (row >= 0 && std::size_t(row) < documents.size()) m_workspace.setActive(documents[std::size_t(row)]);

@@ -11,6 +11,7 @@ class QComboBox;
 namespace punctum::ui
 {
 
+class AttributeActions;
 class AttributesModel;
 class ColorPanel;
 class Document;
@@ -40,6 +41,7 @@ public:
     void setFrame(const Frame& frame);
     AttributesModel& model() noexcept { return *m_model; }
     AttributesView& view() noexcept { return *m_view; }
+    AttributeActions& actions() noexcept { return *m_actions; }
 
 signals:
     void attributeChosen(const QString& name);
@@ -50,6 +52,7 @@ private:
     Workspace& m_workspace;
     AttributesModel* m_model = nullptr;
     AttributesView* m_view = nullptr;
+    AttributeActions* m_actions = nullptr;
     ColorPanel* m_colors = nullptr;
     QComboBox* m_files = nullptr;
 };

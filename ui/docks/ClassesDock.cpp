@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/docks/ClassesDock.h"
 
+#include "core/select/Selecting.h"
 #include "ui/Text.h"
 #include "ui/ViewSettings.h"
 #include "ui/docks/ClassesModel.h"
@@ -10,6 +11,7 @@
 #include <QHBoxLayout>
 #include <QHeaderView>
 #include <QLabel>
+#include <QMenu>
 #include <QPainter>
 #include <QPushButton>
 #include <QStyledItemDelegate>
@@ -90,6 +92,15 @@ ClassesDock::ClassesDock(ViewSettings& settings, QWidget* parent)
             m_settings.showOnlyClass(index.data(ClassesModel::CodeRole).toUInt());
     });
 
+    m_view->setContextMenuPolicy(Qt::CustomContextMenu);
+    connect(m_view, &QWidget::customContextMenuRequested, this, [this](const QPoint& place) {
+        const QModelIndex index = m_view->indexAt(place);
+        if (!index.isValid()) return;
+        QMenu* const menu = makeMenu(index);
+        connect(menu, &QMenu::aboutToHide, menu, &QObject::deleteLater);
+        menu->popup(m_view->viewport()->mapToGlobal(place));
+    });
+
     for (QPushButton* button : {m_all, m_none}) button->setProperty("flat", true);
     m_all->setToolTip(tr("Draw the points of every class"));
     m_none->setToolTip(tr("Draw no class; then tick the ones to look at, or double-click one to see it alone"));
@@ -111,6 +122,22 @@ ClassesDock::ClassesDock(ViewSettings& settings, QWidget* parent)
     setWidget(content);
     connect(m_model, &QAbstractItemModel::modelReset, this, &ClassesDock::updateHint);
     updateHint();
+}
+
+QMenu* ClassesDock::makeMenu(const QModelIndex& index)
+{
+    const unsigned code = index.data(ClassesModel::CodeRole).toUInt();
+    auto* menu = new QMenu(m_view);
+    const auto select = [&](const QString& text, SelectMode mode) {
+        menu->addAction(text, this, [this, code, mode] { emit selectWanted(code, mode); });
+    };
+    select(tr("&Select Points of %1").arg(classText(code)), SelectMode::Replace);
+    select(tr("&Add Them to the Selection"), SelectMode::Add);
+    select(tr("S&ubtract Them from the Selection"), SelectMode::Subtract);
+    select(tr("&Intersect the Selection with Them"), SelectMode::Intersect);
+    menu->addSeparator();
+    menu->addAction(tr("Show &Only This Class"), this, [this, code] { m_settings.showOnlyClass(code); });
+    return menu;
 }
 
 void ClassesDock::setDocument(Document* document)

@@ -4,9 +4,15 @@
 #include <QDockWidget>
 
 class QLabel;
+class QMenu;
 class QModelIndex;
 class QPushButton;
 class QTableView;
+
+namespace punctum
+{
+enum class SelectMode;
+}
 
 namespace punctum::ui
 {
@@ -25,6 +31,11 @@ public:
     void setDocument(Document* document);
     ClassesModel& model() noexcept { return *m_model; }
     QTableView& view() noexcept { return *m_view; }
+    /// For the class at a place of the list. The caller shows and deletes it.
+    QMenu* makeMenu(const QModelIndex& index);
+
+signals:
+    void selectWanted(unsigned code, punctum::SelectMode mode);
 
 private:
     void chooseColor(const QModelIndex& index);

@@ -218,6 +218,7 @@ QString ProcessingDock::valueOf(const Field& field) const
             return static_cast<QComboBox*>(field.widget)->currentData().toString();
         case StepParameter::Type::Rule:
         case StepParameter::Type::Condition:
+        case StepParameter::Type::Text:
             return static_cast<QLineEdit*>(field.widget)->text().trimmed();
         case StepParameter::Type::Integer:
         case StepParameter::Type::Real:

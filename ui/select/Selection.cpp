@@ -17,6 +17,19 @@
 namespace punctum::ui
 {
 
+namespace
+{
+
+/// What was selected before (null: nothing) and what was found, put together.
+PointSet combined(const std::shared_ptr<const PointSet>& before, const PointSet& found, SelectMode mode)
+{
+    PointSet all = before && mode != SelectMode::Replace ? *before : PointSet(found.size());
+    combine(all, found, mode);
+    return all;
+}
+
+}  // namespace
+
 Selection::Selection(Workspace& workspace, ViewRenderer& renderer, const ViewSettings& settings,
                      const ViewFilter& filter, QObject* parent)
     : QObject(parent), m_workspace(workspace), m_renderer(renderer), m_settings(settings), m_filter(filter)
@@ -60,22 +73,25 @@ void Selection::setSlabThickness(double units)
     emit settingsChanged();
 }
 
-std::shared_ptr<const PointSet> Selection::points(const Document* document) const
+Selection::State Selection::state(const Document* document) const
 {
     const auto found = m_states.find(document);
-    return found == m_states.end() ? nullptr : found->second.points;
+    return found == m_states.end() ? State{} : found->second;
+}
+
+std::shared_ptr<const PointSet> Selection::points(const Document* document) const
+{
+    return state(document).points;
 }
 
 PointIndex Selection::count() const
 {
-    const auto found = m_states.find(m_workspace.active());
-    return found == m_states.end() ? 0 : found->second.count;
+    return state(m_workspace.active()).count;
 }
 
 PointIndex Selection::hiddenCount() const
 {
-    const auto found = m_states.find(m_workspace.active());
-    return found == m_states.end() ? 0 : found->second.hidden;
+    return state(m_workspace.active()).hidden;
 }
 
 std::function<Touchable(const PointCloud&, const PointSet& among, Progress&)> Selection::touchable(
@@ -147,26 +163,23 @@ void Selection::askShape(ScreenMask mask, bool live)
         PointSet found = pointsIn(region, *view.cloud, {}, progress);
         keepTouchable(found, *view.cloud, touchable(*view.cloud, found, progress), progress);
         if (depth == Depth::Visible) combine(found, *view.visible, SelectMode::Intersect);
-        PointSet all = before && mode != SelectMode::Replace ? *before : PointSet(found.size());
-        combine(all, found, mode);
-        return all;
+        return combined(before, found, mode);
     };
     ask(std::move(task));
 }
 
 // -- without a shape
 
-void Selection::askFound(const QString& title, std::function<PointSet(const PointCloud&, Progress&)> find)
+void Selection::askFound(const QString& title, SelectMode mode,
+                         std::function<PointSet(const PointCloud&, Progress&)> find)
 {
     Task task;
     task.title = title;
-    task.work = [mode = m_mode, touchable = touchable(), find = std::move(find)](
+    task.work = [mode, touchable = touchable(), find = std::move(find)](
                     const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view, Progress& progress) {
         PointSet found = find(*view.cloud, progress);
         keepTouchable(found, *view.cloud, touchable(*view.cloud, found, progress), progress);
-        PointSet all = before && mode != SelectMode::Replace ? *before : PointSet(found.size());
-        combine(all, found, mode);
-        return all;
+        return combined(before, found, mode);
     };
     ask(std::move(task));
 }
@@ -232,7 +245,7 @@ void Selection::invert()
 
 void Selection::selectAll()
 {
-    askFound(tr("Select all"), [](const PointCloud& cloud, Progress&) {
+    askFound(tr("Select all"), m_mode, [](const PointCloud& cloud, Progress&) {
         PointSet all(cloud.size());
         all.invert();
         return all;
@@ -246,14 +259,19 @@ void Selection::selectByRule(const QString& text)
     // The list of attributes is the document's own copy: the cloud itself is bound in the job, where waiting is
     // allowed.
     expression::Condition::check(text.toStdString());
-    askFound(tr("Select by rule"), [text](const PointCloud& cloud, Progress& progress) {
-        return *expression::select(cloud, expression::Condition(text.toStdString(), cloud), progress);
-    });
+    askCondition(text, m_mode);
 }
 
-void Selection::selectClass(unsigned code)
+void Selection::selectClass(unsigned code, SelectMode mode)
 {
-    selectByRule(QStringLiteral("Classification == %1").arg(code));
+    askCondition(QStringLiteral("Classification == %1").arg(code), mode);
+}
+
+void Selection::askCondition(const QString& text, SelectMode mode)
+{
+    askFound(tr("Select by rule"), mode, [text](const PointCloud& cloud, Progress& progress) {
+        return *expression::select(cloud, expression::Condition(text.toStdString(), cloud), progress);
+    });
 }
 
 void Selection::grow(double distance)

@@ -78,7 +78,8 @@ public:
     void selectAll();
     /// Throws expression::ExpressionError when the text is no condition for the active document.
     void selectByRule(const QString& condition);
-    void selectClass(unsigned code);
+    /// Whatever the mode of the tools.
+    void selectClass(unsigned code, SelectMode mode);
     /// `distance`: in units of the coordinates.
     void grow(double distance);
     void shrink(double distance);
@@ -112,6 +113,7 @@ private:
     };
 
     Document* active() const;
+    State state(const Document* document) const;
     void dropDeleted();
     void ask(Task task);
     void askShape(ScreenMask mask, bool live);
@@ -122,7 +124,9 @@ private:
     std::function<Touchable(const PointCloud&, const PointSet& among, Progress&)> touchable(
         const std::vector<ClipPlane>& cuts = {}) const;
     /// A question whose answer is put together with the selection by the mode.
-    void askFound(const QString& title, std::function<PointSet(const PointCloud&, Progress&)> find);
+    void askFound(const QString& title, SelectMode mode,
+                  std::function<PointSet(const PointCloud&, Progress&)> find);
+    void askCondition(const QString& text, SelectMode mode);
     /// One that makes another selection of the present one, looking at neighbors.
     void askNeighbors(const QString& title,
                       std::function<PointSet(const PointSet&, const KdOrder&, Progress&)> change);
