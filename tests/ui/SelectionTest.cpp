@@ -471,6 +471,7 @@ private slots:
 
         emit dock.attributeChosen(QStringLiteral("Above 400"));
         QVERIFY(b.settle(QStringLiteral("Above 400")));
+        QVERIFY(waitFor([&] { return dock.model().shown() == QLatin1String("Above 400"); }));
         QVERIFY(choose(QStringLiteral("Above 400"), QStringLiteral("Rename")));
         auto* input = dock.findChild<QInputDialog*>();
         QVERIFY(input && waitFor([&] { return input->isVisible(); }));
