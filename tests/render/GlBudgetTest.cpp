@@ -81,7 +81,6 @@ private slots:
             std::uint64_t total = 0;
             for (std::size_t k = 0; k < 3; ++k) {
                 const GlVisibility::Command& command = decided.commands[k];
-                // single precision: a step more or less where the sum meets one
                 QVERIFY2(command.count == c.counts[k],
                          qPrintable(QStringLiteral("%1 s: %2").arg(c.seconds).arg(command.count)));
                 QCOMPARE(command.firstIndex, pieces[k].first);
