@@ -33,7 +33,7 @@ constexpr double kHighPercentile = 0.98;
 constexpr PointIndex kStreamPoints = 1 << 19;
 /// Of each frame in motion while an attribute streams, beside what drawing takes: so that 100 M points are drawn on
 /// two cores in frames of less than 33 ms.
-constexpr double kStreamSeconds = 0.004;
+constexpr double kStreamSeconds = 0.003;
 /// Of a frame in which nothing but streaming happens, as all that is visible is up to date.
 constexpr double kStreamAlone = 0.020;
 
