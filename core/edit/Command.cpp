@@ -117,11 +117,6 @@ void ValueCommand::apply(PointCloud& cloud) noexcept
     cloud.notify(m_notice);
 }
 
-std::shared_ptr<const PointSet> ValueCommand::set() const
-{
-    return m_points ? m_points : std::make_shared<const PointSet>(m_packedPoints->unpacked());
-}
-
 std::vector<std::byte> ValueCommand::unpackedValues() const
 {
     const std::size_t bytes = m_column->elementBytes();
@@ -138,14 +133,12 @@ std::vector<std::byte> ValueCommand::unpackedValues() const
 
 void ValueCommand::prepare()
 {
-    auto points = set();
+    m_points.fetch();
+    m_notice.points = m_points.points();
     if (m_packedValues) {
         m_values = unpackedValues();
         m_packedValues.reset();
     }
-    m_packedPoints.reset();
-    m_points = std::move(points);
-    m_notice.points = m_points;
     m_stowed = false;
 }
 
@@ -153,12 +146,8 @@ void ValueCommand::stow() noexcept
 {
     if (std::exchange(m_stowed, true)) return;
     try {
-        PackedSet packedPoints(*m_points);
-        if (packedPoints.bytes() < m_points->words().size_bytes()) {
-            m_packedPoints = std::move(packedPoints);
-            m_points.reset();
-            m_notice.points.reset();
-        }
+        m_points.stow();
+        m_notice.points.reset();
         const std::size_t bytes = m_column->elementBytes();
         std::vector<std::byte> packed;
         for (std::size_t at = 0; at < m_values.size();) {
@@ -184,8 +173,7 @@ void ValueCommand::stow() noexcept
 
 std::size_t ValueCommand::memory() const noexcept
 {
-    return (m_points ? m_points->words().size_bytes() : m_packedPoints->bytes()) +
-           (m_packedValues ? m_packedValues->size() : m_values.size());
+    return m_points.memory() + (m_packedValues ? m_packedValues->size() : m_values.size());
 }
 
 void ValueCommand::cross(const Column& column, std::span<std::byte> values) const
@@ -196,7 +184,7 @@ void ValueCommand::cross(const Column& column, std::span<std::byte> values) cons
     const std::byte* theirs = m_packedValues ? unpacked.data() : m_values.data();
     std::byte mask[sizeof m_mask];
     std::memcpy(mask, &m_mask, sizeof mask);
-    set()->forEach([&](PointIndex i) {
+    m_points.points()->forEach([&](PointIndex i) {
         std::byte* const ours = values.data() + i * bytes;
         for (std::size_t k = 0; k < bytes; ++k) {
             const std::byte m = k < sizeof mask ? mask[k] : std::byte(0xFF);

@@ -76,7 +76,7 @@ public:
                  std::vector<std::byte> values);
 
     PointIndex changedPoints() const noexcept override { return m_count; }
-    std::shared_ptr<const PointSet> points() const override { return set(); }
+    std::shared_ptr<const PointSet> points() const override { return m_points.points(); }
     void apply(PointCloud& cloud) noexcept override;
     void prepare() override;
     void stow() noexcept override;
@@ -87,17 +87,15 @@ public:
 private:
     ChangeNotice m_notice;  ///< made early, so that apply() has nothing to allocate
     std::shared_ptr<Column> m_column;
-    std::shared_ptr<const PointSet> m_points;
+    StowableSet m_points;
     std::vector<PointIndex> m_ranks;  ///< of the blocks of words that threads swap
     PointIndex m_count = 0;
     std::uint64_t m_mask = ~std::uint64_t(0);  ///< bits of an element that belong to the attribute
     std::vector<std::byte> m_values;
-    // while it is stowed: the set as runs, and the values as runs of equal ones; each only where that is shorter
     bool m_stowed = false;  ///< it was tried
-    std::optional<PackedSet> m_packedPoints;
-    std::optional<std::vector<std::byte>> m_packedValues;  ///< a count of 4 bytes and an element for each run
+    /// While it is stowed, where that is shorter: a count of 4 bytes and an element for each run of equal ones.
+    std::optional<std::vector<std::byte>> m_packedValues;
 
-    std::shared_ptr<const PointSet> set() const;
     std::vector<std::byte> unpackedValues() const;
 };
 

@@ -4,7 +4,6 @@
 #include "core/edit/Command.h"
 
 #include <memory>
-#include <optional>
 #include <string>
 
 namespace punctum
@@ -19,17 +18,16 @@ public:
     DeleteCommand(std::string name, std::shared_ptr<const PointSet> points);
 
     PointIndex changedPoints() const noexcept override { return m_count; }
-    std::shared_ptr<const PointSet> points() const override;
+    std::shared_ptr<const PointSet> points() const override { return m_points.points(); }
     void apply(PointCloud& cloud) noexcept override;
     void prepare() override;
     void stow() noexcept override;
-    std::size_t memory() const noexcept override;
+    std::size_t memory() const noexcept override { return m_points.memory(); }
     Effect effect() const override { return {}; }
     void cross(const Column&, std::span<std::byte>) const override {}
 
 private:
-    std::shared_ptr<const PointSet> m_points;  ///< null while it is stowed
-    std::optional<PackedSet> m_packed;
+    StowableSet m_points;
     std::shared_ptr<PointSet> m_next;  ///< room for what is deleted after apply()
     PointIndex m_count;
 };

@@ -125,4 +125,20 @@ std::optional<PackedSet> PackedSet::fromText(std::string_view text, PointIndex s
     return set;
 }
 
+void StowableSet::stow()
+{
+    if (std::exchange(m_tried, true)) return;
+    PackedSet packed(*m_points);
+    if (packed.bytes() >= m_points->words().size_bytes()) return;
+    m_packed = std::move(packed);
+    m_points.reset();
+}
+
+void StowableSet::fetch()
+{
+    m_points = points();
+    m_packed.reset();
+    m_tried = false;
+}
+
 }  // namespace punctum

@@ -4,9 +4,11 @@
 #include "core/cloud/PointSet.h"
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace punctum
@@ -35,6 +37,31 @@ private:
 
     PointIndex m_size = 0;
     std::vector<std::uint8_t> m_runs;
+};
+
+/// The set of a command: as it is while it is needed, packed meanwhile where that is shorter.
+class StowableSet
+{
+public:
+    explicit StowableSet(std::shared_ptr<const PointSet> points) : m_points(std::move(points)) {}
+
+    /// Made anew for the caller while it is stowed.
+    std::shared_ptr<const PointSet> points() const
+    {
+        return m_points ? m_points : std::make_shared<const PointSet>(m_packed->unpacked());
+    }
+    /// Only while it is not stowed.
+    const PointSet& operator*() const noexcept { return *m_points; }
+    const PointSet* operator->() const noexcept { return m_points.get(); }
+    /// Packs it, tried once until it is fetched.
+    void stow();
+    void fetch();
+    std::size_t memory() const noexcept { return m_points ? m_points->words().size_bytes() : m_packed->bytes(); }
+
+private:
+    std::shared_ptr<const PointSet> m_points;  ///< null while it is stowed
+    std::optional<PackedSet> m_packed;
+    bool m_tried = false;
 };
 
 }  // namespace punctum

@@ -10,6 +10,19 @@
 namespace punctum
 {
 
+namespace
+{
+
+/// Null when none of them is left to delete.
+std::unique_ptr<Command> deleting(std::string name, const PointCloud& cloud, std::shared_ptr<PointSet> points)
+{
+    if (const auto deleted = deletedPoints(cloud)) points->remove(*deleted);
+    if (points->count() == 0) return nullptr;
+    return std::make_unique<DeleteCommand>(std::move(name), std::move(points));
+}
+
+}  // namespace
+
 std::string DeleteStep::help() const
 {
     return "Deletes the points for which a condition holds: no later step sees them, and the file that is written "
@@ -30,19 +43,14 @@ std::unique_ptr<Command> DeleteStep::run(const PointCloud& cloud, const StepValu
                                          Progress& progress) const
 {
     const std::string where = completeValues(*this, values).at("where");
-    auto points = expression::select(cloud, expression::Condition(where, cloud), progress);
-    if (const auto deleted = deletedPoints(cloud)) points->remove(*deleted);
-    if (points->count() == 0) return nullptr;
-    return std::make_unique<DeleteCommand>("Delete where " + where, std::move(points));
+    return deleting("Delete where " + where, cloud,
+                    expression::select(cloud, expression::Condition(where, cloud), progress));
 }
 
 std::unique_ptr<Command> DeleteStep::runWithin(const PointCloud& cloud, const StepValues&, const PointSet& within,
                                                Progress&) const
 {
-    auto points = std::make_shared<PointSet>(within);
-    if (const auto deleted = deletedPoints(cloud)) points->remove(*deleted);
-    if (points->count() == 0) return nullptr;
-    return std::make_unique<DeleteCommand>("Delete", std::move(points));
+    return deleting("Delete", cloud, std::make_shared<PointSet>(within));
 }
 
 std::string RestoreStep::help() const
