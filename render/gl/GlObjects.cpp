@@ -66,13 +66,19 @@ void link(std::string_view name, GLuint program, std::initializer_list<GLuint> s
     throw Error("The graphics driver could not link the shader " + std::string(name) + ": " + log.c_str());
 }
 
+/// One object, by the function that makes names of its kind.
+GlId generated(void (*generate)(GLsizei, GLuint*))
+{
+    GLuint id = 0;
+    generate(1, &id);
+    return id;
+}
+
 }  // namespace
 
 GlId GlBufferKind::create()
 {
-    GLuint id = 0;
-    glGenBuffers(1, &id);
-    return id;
+    return generated(glGenBuffers);
 }
 void GlBufferKind::destroy(GlId id) noexcept
 {
@@ -81,9 +87,7 @@ void GlBufferKind::destroy(GlId id) noexcept
 
 GlId GlTextureKind::create()
 {
-    GLuint id = 0;
-    glGenTextures(1, &id);
-    return id;
+    return generated(glGenTextures);
 }
 void GlTextureKind::destroy(GlId id) noexcept
 {
@@ -92,9 +96,7 @@ void GlTextureKind::destroy(GlId id) noexcept
 
 GlId GlFramebufferKind::create()
 {
-    GLuint id = 0;
-    glGenFramebuffers(1, &id);
-    return id;
+    return generated(glGenFramebuffers);
 }
 void GlFramebufferKind::destroy(GlId id) noexcept
 {
@@ -103,9 +105,7 @@ void GlFramebufferKind::destroy(GlId id) noexcept
 
 GlId GlVertexArrayKind::create()
 {
-    GLuint id = 0;
-    glGenVertexArrays(1, &id);
-    return id;
+    return generated(glGenVertexArrays);
 }
 void GlVertexArrayKind::destroy(GlId id) noexcept
 {
@@ -114,9 +114,7 @@ void GlVertexArrayKind::destroy(GlId id) noexcept
 
 GlId GlQueryKind::create()
 {
-    GLuint id = 0;
-    glGenQueries(1, &id);
-    return id;
+    return generated(glGenQueries);
 }
 void GlQueryKind::destroy(GlId id) noexcept
 {

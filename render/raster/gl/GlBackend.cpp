@@ -180,13 +180,20 @@ void GlBackend::draw(const FrameScene& scene, std::size_t layer, SlotRange slots
 {
     if (m_visibility->empty()) return;
     const GlStateGuard guard;
+    slots = ready(scene, layer, slots);
+    if (slots.size() == 0) return;
+    drawSlots(scene, scene.layers[layer], slots);
+    checkGlErrors("drawing points");
+}
+
+SlotRange GlBackend::ready(const FrameScene& scene, std::size_t layer, SlotRange slots)
+{
     updateCopies(scene);
     const Layer& l = scene.layers[layer];
     slots.last = std::min(slots.last, l.store->slotCount());
-    if (slots.first >= slots.last) return;
+    if (slots.first >= slots.last) return {};
     updateFor(scene, l, slots);
-    drawSlots(scene, l, slots);
-    checkGlErrors("drawing points");
+    return slots;
 }
 
 void GlBackend::updateFor(const FrameScene& scene, const Layer& layer, SlotRange slots)
@@ -375,14 +382,11 @@ void GlBackend::addColors(const FrameScene& scene, const ResolveSettings& settin
 {
     if (m_visibility->empty()) return;
     const GlStateGuard guard;
-    updateCopies(scene);
-    const Layer& l = scene.layers[layer];
-    slots.last = std::min(slots.last, l.store->slotCount());
-    if (slots.first >= slots.last) return;
-    updateFor(scene, l, slots);
+    slots = ready(scene, layer, slots);
+    if (slots.size() == 0) return;
     updateTables(settings);
     m_visibility->requireSums();
-    addSlots(scene, l, settings.layers[layer], slots);
+    addSlots(scene, scene.layers[layer], settings.layers[layer], slots);
     checkGlErrors("adding colors");
 }
 

@@ -91,6 +91,8 @@ private:
     std::vector<ChunkPlace> places(const FrameScene& scene) const;
     /// Brings words (or groups) of visible points up to date, and some of the others.
     void updateVisible(const FrameScene& scene, GlPointCopy::Part part);
+    /// The slots that the layer's store has, with all that drawing them needs brought over.
+    SlotRange ready(const FrameScene& scene, std::size_t layer, SlotRange slots);
     /// Brings over what drawing these slots needs.
     void updateFor(const FrameScene& scene, const Layer& layer, SlotRange slots);
     void scatter(const FrameScene& scene, const std::vector<bool>& layers);
