@@ -11,6 +11,7 @@
 #include "core/process/MakeCommand.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
+#include "tests/core/LoadAndSave.h"
 #include "tests/core/MadeCloud.h"
 
 #include <QTemporaryDir>
@@ -18,6 +19,8 @@
 
 using namespace punctum;
 using lasfiles::Bytes;
+using lasfiles::load;
+using lasfiles::save;
 namespace fs = std::filesystem;
 
 namespace
@@ -230,19 +233,6 @@ private:
         }
         return temp(name);
     }
-    static std::shared_ptr<PointCloud> load(const fs::path& path)
-    {
-        Progress progress;
-        return las::load(path, progress);
-    }
-    static las::WriteReport save(const PointCloud& cloud, const fs::path& path)
-    {
-        Progress progress;
-        las::WriteOptions options;
-        options.compressed = las::isCompressedName(path);
-        return las::write(cloud, path, options, progress);
-    }
-
     Bytes m_records;
     QTemporaryDir m_dir;
 };

@@ -15,6 +15,7 @@
 #include "core/process/MakeCommand.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
+#include "tests/core/LoadAndSave.h"
 #include "tests/core/MadeCloud.h"
 
 #include <QTemporaryDir>
@@ -22,6 +23,8 @@
 
 using namespace punctum;
 using lasfiles::Bytes;
+using lasfiles::load;
+using lasfiles::save;
 namespace fs = std::filesystem;
 
 namespace
@@ -50,20 +53,6 @@ Bytes without(const Bytes& records, std::size_t length, const PointSet& gone)
 void remove(History& history, const std::shared_ptr<const PointSet>& points)
 {
     history.push(std::make_unique<DeleteCommand>("Delete", points));
-}
-
-std::shared_ptr<PointCloud> load(const fs::path& path)
-{
-    Progress progress;
-    return las::load(path, progress);
-}
-
-las::WriteReport save(const PointCloud& cloud, const fs::path& path)
-{
-    Progress progress;
-    las::WriteOptions options;
-    options.compressed = las::isCompressedName(path);
-    return las::write(cloud, path, options, progress);
 }
 
 /// What the header must say of these records, from the standard's tables.

@@ -3,6 +3,7 @@
 #include "core/las/Writer.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
+#include "tests/core/LoadAndSave.h"
 #include "tests/core/ReadRecords.h"
 
 #include <QTemporaryDir>
@@ -10,7 +11,9 @@
 
 using namespace punctum;
 using lasfiles::Bytes;
+using lasfiles::load;
 using lasfiles::recordsByUs;
+using lasfiles::save;
 namespace fs = std::filesystem;
 
 /// What is opened and saved is what it was: every real file that is at hand, and random records of every format, as
@@ -94,20 +97,6 @@ Parts comparable(Parts parts)
     if (parts.header.size() >= 375) lasfiles::set<std::uint64_t>(parts.header, 235, 0);
     if (parts.header.size() >= 375 && copc) lasfiles::set<std::uint32_t>(parts.header, 243, 0);
     return parts;
-}
-
-std::shared_ptr<PointCloud> load(const fs::path& path)
-{
-    Progress progress;
-    return las::load(path, progress);
-}
-
-las::WriteReport save(const PointCloud& cloud, const fs::path& path)
-{
-    Progress progress;
-    las::WriteOptions options;
-    options.compressed = las::isCompressedName(path);
-    return las::write(cloud, path, options, progress);
 }
 
 }  // namespace

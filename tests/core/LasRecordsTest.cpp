@@ -5,6 +5,7 @@
 #include "core/las/Writer.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
+#include "tests/core/LoadAndSave.h"
 #include "tests/core/MadeCloud.h"
 
 #include <QTemporaryDir>
@@ -12,6 +13,8 @@
 
 using namespace punctum;
 using lasfiles::Bytes;
+using lasfiles::load;
+using lasfiles::save;
 namespace fs = std::filesystem;
 
 /// What stands beside the points and follows them when they change: ranges of extra bytes, their descriptions, the
@@ -30,18 +33,6 @@ private slots:
 
 private:
     fs::path path(const std::string& name) const { return fs::path(m_dir.path().toStdString()) / name; }
-    static std::shared_ptr<PointCloud> load(const fs::path& file)
-    {
-        Progress progress;
-        return las::load(file, progress);
-    }
-    static las::WriteReport save(const PointCloud& cloud, const fs::path& file)
-    {
-        Progress progress;
-        las::WriteOptions options;
-        options.compressed = las::isCompressedName(file);
-        return las::write(cloud, file, options, progress);
-    }
     static bool hasNote(const las::WriteReport& report, const std::string& part)
     {
         return std::any_of(report.notes.begin(), report.notes.end(),

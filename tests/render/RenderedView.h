@@ -63,6 +63,19 @@ struct RenderedView {
     }
 };
 
+/// Seconds: many frames until convergence.
+inline constexpr double kTinyBudget = 0.0005;
+
+/// Drawn by the processor.
+struct CpuView : RenderedView {
+    CpuView(const std::vector<std::shared_ptr<render::PointStore>>& stores, const render::Camera& camera,
+            const render::DisplaySettings& display)
+        : RenderedView(render::makeBackend(render::BackendKind::Cpu), stores, camera, display, 320, 200)
+    {
+    }
+    int converge(double budget = kTinyBudget) { return RenderedView::converge(budget); }
+};
+
 /// Pixels that are not the same in both.
 inline int differing(const render::Image& a, const render::Image& b)
 {

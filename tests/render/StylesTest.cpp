@@ -16,23 +16,8 @@ using namespace punctum::render;
 using test::cameraFor;
 using test::differing;
 using test::filledStore;
-
-namespace
-{
-
-constexpr double kTinyBudget = 0.0005;  ///< seconds: many frames until convergence
-
-/// Drawn by the processor.
-struct View : test::RenderedView {
-    View(const std::vector<std::shared_ptr<PointStore>>& stores, const Camera& camera,
-         const DisplaySettings& display)
-        : RenderedView(makeBackend(BackendKind::Cpu), stores, camera, display, 320, 200)
-    {
-    }
-    int converge(double budget = kTinyBudget) { return RenderedView::converge(budget); }
-};
-
-}  // namespace
+using test::kTinyBudget;
+using View = test::CpuView;
 
 class StylesTest : public QObject
 {
