@@ -110,7 +110,8 @@ void MainMenu::makeFile()
                  tr("Save the active file under another name, as LAS or LAZ"), [this] { m_window.saveAs(); });
     menu->addSeparator();
     screenshot = add(menu, tr("&Export Screenshot..."), QStringLiteral("screenshot"), {QKeySequence(Qt::Key_F12)},
-                     tr("Save the finished picture of the view as PNG"), [this] { m_window.exportScreenshot(); });
+                     tr("Save the finished picture of the view, or of the section that has the keys, as PNG"),
+                     [this] { m_window.exportScreenshot(); });
     QAction* transparent = menu->addAction(tr("&Transparent Background in Screenshots"));
     transparent->setCheckable(true);
     connect(transparent, &QAction::toggled, &m_window, &MainWindow::setTransparentScreenshots);

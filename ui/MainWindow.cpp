@@ -509,8 +509,9 @@ void MainWindow::showViewState()
 void MainWindow::exportScreenshot()
 {
     if (!m_workspace->active()) return;
-    QString path =
-        QFileDialog::getSaveFileName(this, tr("Export screenshot"), screenshotName(), tr("PNG picture (*.png)"));
+    QString path = QFileDialog::getSaveFileName(
+        this, sectionHasKeys() ? tr("Export screenshot of the section") : tr("Export screenshot"), screenshotName(),
+        tr("PNG picture (*.png)"));
     if (path.isEmpty()) return;
     if (QFileInfo(path).suffix().isEmpty()) path += QStringLiteral(".png");
     exportScreenshotTo(path);
@@ -519,17 +520,26 @@ void MainWindow::exportScreenshot()
 void MainWindow::exportScreenshotTo(const QString& path)
 {
     const QString name = QFileInfo(path).fileName();
+    const bool section = sectionHasKeys();
     const auto picture = std::make_shared<ScreenshotPicture>();
-    m_renderer->capture(m_transparentScreenshots, [picture](std::shared_ptr<const render::Image> image) {
+    Viewport& view = section ? m_sections->viewport() : *m_viewport;
+    view.renderer().capture(m_transparentScreenshots, [picture](std::shared_ptr<const render::Image> image) {
         picture->deliver(std::move(image));
     });
     m_workspace->startJob(
         tr("Export %1").arg(name),
         [picture, path](Progress& progress) { writeScreenshot(*picture, path, progress); },
-        [this, name](const JobInfo& info) {
+        [this, name, section](const JobInfo& info) {
             if (info.state == JobState::Failed) m_workspace->say(MessageKind::Error, toQString(info.error));
-            if (info.state == JobState::Finished) m_workspace->say(MessageKind::Info, tr("Saved %1.").arg(name));
+            if (info.state == JobState::Finished)
+                m_workspace->say(MessageKind::Info,
+                                 section ? tr("Saved the section as %1.").arg(name) : tr("Saved %1.").arg(name));
         });
+}
+
+bool MainWindow::sectionHasKeys() const
+{
+    return m_sections->section() && focusWidget() == &m_sections->viewport();
 }
 
 QString MainWindow::screenshotName() const

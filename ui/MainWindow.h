@@ -111,7 +111,7 @@ public slots:
     void saveAs();
     void closeActive();
     void exportScreenshot();
-    /// Writes the finished picture of the view as PNG, in a job.
+    /// Writes the finished picture of the view that has the keys as PNG, in a job.
     void exportScreenshotTo(const QString& path);
     void saveTo(Document& document, const QString& path);
     /// Shows the next (1) or previous (-1) attribute of the active document.
@@ -143,6 +143,7 @@ private:
     void rememberFile(const QString& path);
     /// True: go on at once. False: not now; after a save that was asked for, `afterSaving` is called.
     bool confirmClose(Document& document, std::function<void()> afterSaving);
+    bool sectionHasKeys() const;
     QString screenshotName() const;
 
     Workspace* m_workspace = nullptr;

@@ -84,7 +84,18 @@ struct ViewRenderer::Picture {
     bool dirty = false;   ///< something changed what is to be seen
     bool broken = false;  ///< the backend failed; wait for a change
     std::uint64_t frames = 0;
+    std::optional<QString> failure;  ///< what happened in attempt(), until it is settled
 
+    /// Whatever goes wrong is this view's failure.
+    template <typename Work>
+    void attempt(Work work)
+    {
+        try {
+            work();
+        } catch (const std::exception& e) {
+            failure = QString::fromLocal8Bit(e.what());
+        }
+    }
     void apply(const Wish& wish)
     {
         if (wish.size) renderer->setSize(wish.size->first, wish.size->second);
@@ -93,6 +104,8 @@ struct ViewRenderer::Picture {
         dirty = true;
     }
     bool finished() const { return broken || !renderer || (!dirty && renderer->converged()); }
+    /// While files load, there may be more to draw at any time.
+    bool wantsFrame(bool loading) const { return !finished() || (loading && renderer && !broken); }
     void refuse()
     {
         for (const Snapshot& wanted : std::exchange(snapshots, {})) wanted.done(nullptr);
@@ -129,15 +142,15 @@ struct ViewRenderer::Thread {
     {
         for (const auto& picture : pictures) {
             if (!picture->renderer) continue;
-            change(*picture->renderer);
             picture->dirty = true;
+            picture->attempt([&] { change(*picture->renderer); });
         }
     }
     /// Lets the first renderer change the stores, and tells the others.
     template <typename Change>
     void changeStores(render::ProgressiveRenderer::StoreChange what, Change change)
     {
-        change(*first().renderer);
+        first().attempt([&] { change(*first().renderer); });
         forAll([&](render::ProgressiveRenderer& renderer) {
             if (&renderer != first().renderer.get()) renderer.storesChanged(what);
         });
@@ -162,10 +175,10 @@ ViewRenderer::ViewRenderer(ViewRenderer& first, QObject* parent)
 {
     const std::lock_guard lock(m_first.m_mutex);
     m_first.m_views.push_back(this);
-    m_first.m_commands.push_back([this](Thread& thread) {
-        thread.pictures.push_back(std::make_unique<Picture>());
-        thread.pictures.back()->view = this;
-    });
+    m_first.m_commands.push_back({&m_first, [this](Thread& thread) {
+                                      thread.pictures.push_back(std::make_unique<Picture>());
+                                      thread.pictures.back()->view = this;
+                                  }});
 }
 
 ViewRenderer::~ViewRenderer()
@@ -184,7 +197,7 @@ ViewRenderer::~ViewRenderer()
         const std::lock_guard lock(m_first.m_mutex);
         std::erase(m_first.m_views, this);
     }
-    post([this, forgotten](Thread& thread) {
+    m_first.post([this, forgotten](Thread& thread) {
         const auto own = std::find_if(thread.pictures.begin(), thread.pictures.end(),
                                       [this](const auto& picture) { return picture->view == this; });
         (*own)->refuse();
@@ -196,11 +209,11 @@ ViewRenderer::~ViewRenderer()
 
 // -- the GUI thread's side
 
-void ViewRenderer::post(Command command)
+void ViewRenderer::post(std::function<void(Thread&)> command)
 {
     {
         const std::lock_guard lock(m_first.m_mutex);
-        m_first.m_commands.push_back(std::move(command));
+        m_first.m_commands.push_back({this, std::move(command)});
     }
     m_first.m_wake.notify_one();
 }
@@ -226,6 +239,7 @@ void ViewRenderer::setOn(bool on)
     post([this, on](Thread& thread) {
         Picture& picture = pictureOf(thread);
         if (!on) {
+            picture.attempt([&] { finishAndServe(thread, picture); });
             picture.refuse();
             picture.renderer = nullptr;
             return;
@@ -494,14 +508,10 @@ void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBacken
             for (ViewRenderer* view : m_views)
                 if (view->m_on && view->m_wish.any()) wishes.emplace_back(view, std::exchange(view->m_wish, {}));
         }
-        const auto guarded = [&](Picture& picture, const auto& work) {
-            try {
-                work();
-            } catch (const std::exception& e) {
-                fail(thread, picture, QString::fromLocal8Bit(e.what()));
-            }
-        };
-        for (const Command& command : commands) guarded(thread.first(), [&] { command(thread); });
+        for (const Command& command : commands) {
+            command.view->pictureOf(thread).attempt([&] { command.act(thread); });
+            settleFailures(thread);
+        }
         bool moved = false;
         for (const auto& [view, wish] : wishes) {
             Picture& picture = view->pictureOf(thread);
@@ -509,19 +519,22 @@ void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBacken
             if (wish.camera) picture.known.camera = wish.camera;
             if (wish.display) picture.known.display = wish.display;
             if (!picture.renderer || picture.fresh) continue;  // it could not be made, or is told all below
-            guarded(picture, [&, &wish = wish] { picture.apply(wish); });
+            picture.attempt([&, &wish = wish] { picture.apply(wish); });
             moved = moved || wish.camera;
         }
-        const bool loading = thread.loading();
-        const auto unfinished = std::count_if(thread.pictures.begin(), thread.pictures.end(),
-                                              [](const auto& picture) { return !picture->finished(); });
-        for (const auto& picture : thread.pictures) {
+        settleFailures(thread);
+        for (const auto& picture : thread.pictures)
             if (picture->dirty) picture->broken = false;
+        const bool loading = thread.loading();
+        const auto drawn = std::count_if(thread.pictures.begin(), thread.pictures.end(),
+                                         [&](const auto& picture) { return picture->wantsFrame(loading); });
+        for (const auto& picture : thread.pictures) {
             if (picture->renderer && !picture->broken)
-                guarded(*picture, [&] {
+                picture->attempt([&] {
                     if (std::exchange(picture->fresh, false)) picture->apply(picture->known);
-                    renderNext(thread, *picture, thread.budget / double(std::max<long>(unfinished, 1)));
+                    renderNext(thread, *picture, thread.budget / double(std::max<long>(drawn, 1)));
                 });
+            settleFailures(thread);
             if (picture->broken || !picture->renderer) picture->refuse();
         }
         idle = !loading && std::all_of(thread.pictures.begin(), thread.pictures.end(),
@@ -530,22 +543,38 @@ void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBacken
     }
 }
 
-void ViewRenderer::fail(Thread& thread, Picture& picture, const QString& sentence)
+void ViewRenderer::settleFailures(Thread& thread)
 {
-    if (&picture == &thread.first() && thread.kind != render::BackendKind::Cpu) {
-        announceFailure(tr("OpenGL drawing failed, so the CPU draws from here on: %1").arg(sentence));
-        useBackend(thread, render::BackendKind::Cpu);
-        picture.dirty = true;
-    } else {
-        announceFailure(sentence);
-        picture.broken = true;
-        picture.dirty = false;
+    for (const auto& picture : thread.pictures) {
+        if (!picture->failure) continue;
+        const QString sentence = *std::exchange(picture->failure, std::nullopt);
+        if (picture.get() == &thread.first() && thread.kind != render::BackendKind::Cpu) {
+            announceFailure(tr("OpenGL drawing failed, so the CPU draws from here on: %1").arg(sentence));
+            useBackend(thread, render::BackendKind::Cpu);
+            picture->dirty = true;
+        } else {
+            announceFailure(sentence);
+            picture->broken = true;
+            picture->dirty = false;
+        }
     }
+}
+
+/// What waits for a finished picture gets it now, before the view is switched off.
+void ViewRenderer::finishAndServe(Thread& thread, Picture& picture)
+{
+    if (picture.snapshots.empty() && picture.captures.empty()) return;
+    if (!picture.renderer || picture.broken || thread.loading()) return;
+    if (std::exchange(picture.fresh, false)) picture.apply(picture.known);
+    while (!picture.renderer->renderFrame(thread.budget).converged) {
+    }
+    serveSnapshots(thread, picture);
+    serveCaptures(thread, picture);
 }
 
 void ViewRenderer::renderNext(Thread& thread, Picture& picture, double budget)
 {
-    if (!picture.finished() || thread.loading()) {
+    if (picture.wantsFrame(thread.loading())) {
         picture.dirty = false;
         const render::FrameReport report = picture.renderer->renderFrame(budget);
         if (picture.renderer->image().width > 0) picture.view->publish(picture, report);

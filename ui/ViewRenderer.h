@@ -74,7 +74,8 @@ public:
     explicit ViewRenderer(ViewRenderer& first, QObject* parent = nullptr);
     ~ViewRenderer() override;
 
-    /// Of a view beside another one. Off, it has no picture and costs nothing; picks and snapshots give none.
+    /// Of a view beside another one. Off, it has no picture and costs nothing; picks and snapshots give none. What
+    /// was asked for before is still given.
     void setOn(bool on);
 
     void setSize(int widthPx, int heightPx);
@@ -124,7 +125,10 @@ private:
     struct Pool;
     struct Picture;
     struct Thread;
-    using Command = std::function<void(Thread&)>;
+    struct Command {
+        ViewRenderer* view;  ///< whose picture it is about
+        std::function<void(Thread&)> act;
+    };
     /// What is to be seen, where that is new to the picture.
     struct Wish {
         std::optional<std::pair<int, int>> size;
@@ -133,7 +137,7 @@ private:
         bool any() const { return size || camera || display; }
     };
 
-    void post(Command command);
+    void post(std::function<void(Thread&)> command);
     /// Changes the wish for this view's picture.
     template <typename Change>
     void wish(Change change);
@@ -142,10 +146,11 @@ private:
     void applyChoice(Thread& thread);
     void measureBackends(Thread& thread);
     Picture& pictureOf(Thread& thread) const;
+    static void finishAndServe(Thread& thread, Picture& picture);
     static void renderNext(Thread& thread, Picture& picture, double budget);
     static void serveCaptures(Thread& thread, Picture& picture);
     static void serveSnapshots(Thread& thread, Picture& picture);
-    void fail(Thread& thread, Picture& picture, const QString& sentence);
+    void settleFailures(Thread& thread);
     void publish(Picture& picture, const render::FrameReport& report);
     void announceFailure(const QString& sentence);
 

@@ -51,8 +51,6 @@ public:
     const std::vector<ClipPlane>& cuts() const noexcept { return m_cuts; }
     /// Whether the cuts let a place be seen.
     bool keeps(const glm::dvec3& world) const noexcept;
-    /// Unit of what the camera sees; empty: unknown.
-    QString viewUnit() const;
 
     const render::Camera& camera() const noexcept { return m_camera; }
     /// Counts what the user did to the camera: a fit by the program must not undo it.
@@ -116,6 +114,8 @@ protected:
     bool event(QEvent* event) override;
 
 private:
+    /// Unit of what the camera sees; empty: unknown.
+    QString viewUnit() const;
     void applyCamera(const render::Camera& camera);
     void userCamera(const render::Camera& camera);
     void takeFrame();

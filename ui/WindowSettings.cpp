@@ -44,7 +44,7 @@ const QString kEyeDome = QStringLiteral("view/eyeDome");
 const QString kBands = QStringLiteral("view/bands");
 const QString kColorMap = QStringLiteral("view/colorMap");
 const QString kBackground = QStringLiteral("view/background");
-const QString kSectionWidth = QStringLiteral("section/width");
+const QString kSectionWidth = QStringLiteral("section/width_%1");
 const QString kSectionBeside = QStringLiteral("section/beside");
 const QString kRecent = QStringLiteral("files/recent");
 const QString kFolder = QStringLiteral("files/folder");
@@ -189,14 +189,14 @@ void WindowSettings::clearRecentFiles()
     set(kRecent, QStringList());
 }
 
-double WindowSettings::sectionWidth() const
+double WindowSettings::sectionWidth(const QString& unit) const
 {
-    return m_values.value(kSectionWidth, 0.0).toDouble();
+    return m_values.value(kSectionWidth.arg(unit), 0.0).toDouble();
 }
 
-void WindowSettings::setSectionWidth(double width)
+void WindowSettings::setSectionWidth(double width, const QString& unit)
 {
-    set(kSectionWidth, width);
+    set(kSectionWidth.arg(unit), width);
 }
 
 bool WindowSettings::sectionBeside() const

@@ -50,9 +50,9 @@ public:
     QStringList recentFiles() const;
     void addRecentFile(const QString& path);
     void clearRecentFiles();
-    /// In units of the view; 0: none was chosen yet.
-    double sectionWidth() const;
-    void setSectionWidth(double width);
+    /// Chosen last in files with this unit of length (Document::lengthUnit()); 0: none was chosen yet.
+    double sectionWidth(const QString& unit) const;
+    void setSectionWidth(double width, const QString& unit);
     /// Sections open beside the main view instead of below it.
     bool sectionBeside() const;
     void setSectionBeside(bool beside);

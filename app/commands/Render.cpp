@@ -139,7 +139,13 @@ render::Camera cameraOf(const Section& section, const std::vector<DrawableCloud>
         const PointCloud& cloud = *clouds[k].cloud;
         heights.include(shownHeights(cloud, hiddenPoints(cloud, shown[k], progress).get(), progress));
     }
-    if (heights.points == 0) throw Error("No point lies in the section. Is its line on the cloud?");
+    if (heights.points == 0) {
+        const bool others = std::any_of(shown.begin(), shown.end(), [&](const Visibility& v) {
+            return v.filtered || v.clip.box || v.clip.planes.size() > section.sides().size();
+        });
+        throw Error(others ? "No point that the filter and the clip leave lies in the section."
+                           : "No point lies in the section. Is its line on the cloud?");
+    }
     return render::sectionCamera(section, heights.low, heights.high, size, exaggeration);
 }
 

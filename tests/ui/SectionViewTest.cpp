@@ -12,6 +12,9 @@
 #include "ui/section/Sections.h"
 
 #include <QDoubleSpinBox>
+#include <QEventLoop>
+#include <QImage>
+#include <QLabel>
 #include <QToolButton>
 
 #include <glm/geometric.hpp>
@@ -89,13 +92,13 @@ struct SectionBench : Bench {
     std::optional<PickedPoint> pick(Viewport& viewport, QPoint p)
     {
         std::optional<PickedPoint> picked;
-        bool answered = false;
+        QEventLoop wait;  // asked thousands of times: waitFor() looks every 10 ms
         const glm::ivec2 px(viewport.toPicture(p));
         viewport.renderer().pick(px.x, px.y, &viewport, [&](const std::optional<PickedPoint>& point) {
             picked = point;
-            answered = true;
+            wait.quit();
         });
-        waitFor([&] { return answered; });
+        wait.exec();
         return picked;
     }
     /// Whether the section has the point; its ends may lie on the edge.
@@ -469,6 +472,88 @@ private slots:
         QVERIFY(!b.sections().section());
     }
 
+    void aShapeOutlivesTheSection()
+    {
+        NEED_AUTZEN();
+        SectionBench b;
+        QVERIFY(b.beginSection());
+        b.key(Qt::Key_R);
+        const auto draw = [&] { b.drag(b.at(0.3, 0.1), b.at(0.7, 0.9)); };
+        draw();
+        QVERIFY(b.done());
+        const auto expected = b.points();
+        QVERIFY(expected && expected->count() > 100);
+        const auto same = [&] { return b.done() && b.points() && *b.points() == *expected; };
+        const auto anew = [&] {
+            b.selection().clear();
+            draw();
+            return b.selection().busy();
+        };
+        // the other way round, and gone, before the shape was worked out
+        QVERIFY(anew());
+        b.sections().turn();
+        QVERIFY(same());
+        b.sections().turn();
+        QVERIFY(b.settled());
+        QVERIFY(anew());
+        b.sections().close();
+        b.drawnOn = nullptr;
+        QVERIFY(same());
+    }
+
+    void aLineIsDrawnWhileTheCameraMoves()
+    {
+        NEED_AUTZEN();
+        SectionBench b;
+        QVERIFY(b.begin(Tool::None));
+        const QPoint first = b.nearest(0.4, 0.55);
+        b.key(Qt::Key_X);
+        b.click(first);
+        b.moveFree(first + QPoint(40, 0));
+        QVERIFY(waitFor([&] { return b.sections().band().draft().has_value(); }));
+        const render::Camera before = b.view().camera();
+        QTest::keyPress(&b.view(), Qt::Key_Space);
+        b.drag(b.at(0.5, 0.5), b.at(0.7, 0.6));
+        QTest::keyRelease(&b.view(), Qt::Key_Space);
+        QVERIFY(!(b.view().camera() == before));
+        QVERIFY(b.settle());
+        b.click(first);  // where the first end was, and is no more
+        QVERIFY(waitFor([&] { return b.sections().section().has_value(); }));
+    }
+
+    void isSmallInASmallWindow()
+    {
+        NEED_AUTZEN();
+        SectionBench b;
+        QVERIFY(b.beginSection());
+        const QLabel* const title = b.pane().findChild<QLabel*>();
+        QVERIFY(title);
+        for (const int width : {1600, 1100, 920}) {
+            b.window->resize(width, 800);
+            QVERIFY(b.settled());
+            QCOMPARE(b.window->width(), width);
+            QVERIFY2(title->width() >= std::min(title->sizeHint().width(), b.pane().width() - 16),
+                     qPrintable(QStringLiteral("%1 px of %2").arg(title->width()).arg(title->sizeHint().width())));
+            for (QWidget* part : std::initializer_list<QWidget*>{
+                     &b.pane().widthField(), &b.pane().exaggerationField(), &b.pane().closeButton()})
+                QVERIFY(b.pane().rect().contains(QRect(part->mapTo(&b.pane(), QPoint()), part->size())));
+        }
+    }
+
+    void aScreenshotShowsWhatHasTheKeys()
+    {
+        NEED_AUTZEN();
+        SectionBench b;
+        QVERIFY(b.beginSection());
+        const QString path = b.folder.filePath(QStringLiteral("shot.png"));
+        for (Viewport* view : {&b.sections().viewport(), &b.window->viewport()}) {
+            view->setFocus();
+            b.window->exportScreenshotTo(path);
+            QVERIFY(b.settled());
+            QCOMPARE(QImage(path).size(), view->pictureSize());
+        }
+    }
+
     void followsItsFileAndRemembersItsWidth()
     {
         NEED_AUTZEN();
@@ -485,6 +570,7 @@ private slots:
             writeSample(other, 20'000);
             Document* const second = b.open(other);
             QVERIFY(second);
+            QVERIFY(second->lengthUnit() != b.document->lengthUnit());
             QVERIFY(b.sections().section());
             b.sections().turn();
             b.sections().turn();
@@ -501,6 +587,15 @@ private slots:
         QVERIFY(b.drawLine(b.at(0.3, 0.62), b.at(0.6, 0.4)));
         QVERIFY(b.toSection());
         QCOMPARE(b.section().width, 7.25);
+        // which is no width for a file with another unit
+        const QString other = folder.filePath(QStringLiteral("other.las"));
+        writeSample(other, 20'000);
+        b.drawnOn = nullptr;
+        b.document = b.open(other);
+        QVERIFY(b.document);
+        QVERIFY(b.drawLine(b.nearest(0.4, 0.5), b.nearest(0.6, 0.5)));
+        QVERIFY(b.toSection());
+        QVERIFY(b.section().width != 7.25);
     }
 };
 

@@ -244,6 +244,15 @@ void ViewRendererTest::viewsBesideEachOther()
     other.setOn(true);
     QCOMPARE(both("chosen while it was off"), QByteArray());
     QCOMPARE(view.store->encoder(), encoder);
+
+    // what fails beside it does not touch the first view
+    QVERIFY(view.failures.isEmpty());
+    const BackendKind drawsWith = view.kind();
+    other.setSize(100'000, 100'000);
+    QTRY_COMPARE(view.failures.size(), 1);
+    QCOMPARE(view.kind(), drawsWith);
+    other.setSize(300, 200);
+    QCOMPARE(both("after a failure"), QByteArray());
 }
 
 QTEST_GUILESS_MAIN(ViewRendererTest)

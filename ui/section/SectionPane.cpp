@@ -11,6 +11,8 @@
 #include <QSignalBlocker>
 #include <QToolButton>
 
+#include <algorithm>
+
 namespace punctum::ui
 {
 
@@ -18,13 +20,17 @@ namespace
 {
 
 constexpr int kFieldWidth = 92;  // px
+const QMargins kBarMargins(10, 4, 6, 4);
 
 }  // namespace
 
 SectionPane::SectionPane(ViewRenderer& renderer, ViewSettings& settings, bool openGl, QWidget* parent)
     : QWidget(parent),
-      m_bar(new QBoxLayout(QBoxLayout::LeftToRight)),
       m_title(new QLabel),
+      m_bar(new QBoxLayout(QBoxLayout::LeftToRight)),
+      m_row(new QBoxLayout(QBoxLayout::LeftToRight)),
+      m_fields(new QHBoxLayout),
+      m_buttons(new QHBoxLayout),
       m_width(new QDoubleSpinBox),
       m_exaggeration(new QDoubleSpinBox),
       m_viewport(new Viewport(renderer, settings, openGl))
@@ -32,7 +38,24 @@ SectionPane::SectionPane(ViewRenderer& renderer, ViewSettings& settings, bool op
     m_viewport->setFlat();
     m_title->setTextFormat(Qt::PlainText);
     m_title->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+    makeFields();
+    addButtons();
 
+    auto* const column = new QVBoxLayout(this);
+    column->setContentsMargins(0, 0, 0, 0);
+    column->setSpacing(0);
+    m_bar->setContentsMargins(kBarMargins);
+    for (QBoxLayout* part : {m_bar, m_row, m_fields, m_buttons}) part->setSpacing(4);
+    m_row->addLayout(m_fields);
+    m_row->addLayout(m_buttons);
+    m_bar->addWidget(m_title, 1);
+    m_bar->addLayout(m_row);
+    column->addLayout(m_bar);
+    column->addWidget(m_viewport, 1);
+}
+
+void SectionPane::makeFields()
+{
     m_width->setRange(0.01, 1e6);
     m_width->setDecimals(2);
     m_width->setStepType(QAbstractSpinBox::AdaptiveDecimalStepType);
@@ -57,41 +80,31 @@ SectionPane::SectionPane(ViewRenderer& renderer, ViewSettings& settings, bool op
             if (field->hasFocus()) m_viewport->setFocus();
         });
     }
-    auto* const row = new QHBoxLayout;
-    row->setSpacing(4);
-    row->addWidget(dimLabel(tr("Width")));
-    row->addWidget(m_width);
-    row->addSpacing(6);
-    row->addWidget(dimLabel(tr("Heights")));
-    row->addWidget(m_exaggeration);
-    row->addSpacing(6);
-    connect(
-        addButton(*row, QStringLiteral("ahead"), tr("Walk ahead by the width (Up or Right; with Shift by half)")),
-        &QToolButton::clicked, this, [this] { emit walked(1.0); });
-    connect(
-        addButton(*row, QStringLiteral("back"), tr("Walk back by the width (Down or Left; with Shift by half)")),
-        &QToolButton::clicked, this, [this] { emit walked(-1.0); });
-    connect(addButton(*row, QStringLiteral("turn"), tr("Look from the other side")), &QToolButton::clicked, this,
-            &SectionPane::turnWanted);
-    connect(addButton(*row, QStringLiteral("fit"), tr("Show the whole section (F over the section)")),
-            &QToolButton::clicked, this, &SectionPane::fitWanted);
-    connect(addButton(*row, QStringLiteral("beside"), tr("Beside or below the main view")), &QToolButton::clicked,
-            this, &SectionPane::moveWanted);
-    m_close = addButton(*row, QStringLiteral("close"), tr("Close the section (Escape over the section)"));
-    connect(m_close, &QToolButton::clicked, this, &SectionPane::closeWanted);
-
-    auto* const column = new QVBoxLayout(this);
-    column->setContentsMargins(0, 0, 0, 0);
-    column->setSpacing(0);
-    m_bar->setContentsMargins(10, 4, 6, 4);
-    m_bar->setSpacing(4);
-    m_bar->addWidget(m_title, 1);
-    m_bar->addLayout(row);
-    column->addLayout(m_bar);
-    column->addWidget(m_viewport, 1);
+    m_fields->addWidget(dimLabel(tr("Width")));
+    m_fields->addWidget(m_width);
+    m_fields->addSpacing(6);
+    m_fields->addWidget(dimLabel(tr("Heights")));
+    m_fields->addWidget(m_exaggeration);
+    m_fields->addStretch(1);
 }
 
-QToolButton* SectionPane::addButton(QBoxLayout& row, const QString& icon, const QString& tip)
+void SectionPane::addButtons()
+{
+    const auto add = [this](const char* icon, const QString& tip, auto act) {
+        QToolButton* const button = addButton(QLatin1String(icon), tip);
+        connect(button, &QToolButton::clicked, this, act);
+        return button;
+    };
+    add("ahead", tr("Walk ahead by the width (Up or Right; with Shift by half)"), [this] { emit walked(1.0); });
+    add("back", tr("Walk back by the width (Down or Left; with Shift by half)"), [this] { emit walked(-1.0); });
+    add("turn", tr("Look from the other side"), &SectionPane::turnWanted);
+    add("fit", tr("Show the whole section (F over the section)"), &SectionPane::fitWanted);
+    add("beside", tr("Beside or below the main view"), &SectionPane::moveWanted);
+    m_buttons->addStretch(1);
+    m_close = add("close", tr("Close the section (Escape over the section)"), &SectionPane::closeWanted);
+}
+
+QToolButton* SectionPane::addButton(const QString& icon, const QString& tip)
 {
     auto* const button = new QToolButton;
     button->setIcon(lineIcon(icon));
@@ -99,13 +112,28 @@ QToolButton* SectionPane::addButton(QBoxLayout& row, const QString& icon, const 
     button->setToolTip(tip);
     button->setAccessibleName(tip);
     button->setFocusPolicy(Qt::TabFocus);
-    row.addWidget(button);
+    m_buttons->addWidget(button);
     return button;
 }
 
-void SectionPane::setNarrow(bool narrow)
+QSize SectionPane::minimumSizeHint() const
 {
-    m_bar->setDirection(narrow ? QBoxLayout::TopToBottom : QBoxLayout::LeftToRight);
+    const int part = std::max(m_fields->minimumSize().width(), m_buttons->minimumSize().width());
+    const QSize view = m_viewport->minimumSize();
+    return {std::max(part + kBarMargins.left() + kBarMargins.right(), view.width()),
+            view.height() + m_bar->minimumSize().height()};
+}
+
+void SectionPane::resizeEvent(QResizeEvent* event)
+{
+    QWidget::resizeEvent(event);
+    // As many parts side by side as there is room for. The title of the moment is not asked: lines would come and
+    // go as one walks.
+    const int title = fontMetrics().horizontalAdvance(tr("1234.5 m long, 123.4 m wide  ·  1,234,567 points"));
+    const int parts = m_fields->minimumSize().width() + m_row->spacing() + m_buttons->minimumSize().width();
+    const int room = width() - kBarMargins.left() - kBarMargins.right();
+    m_row->setDirection(room < parts ? QBoxLayout::TopToBottom : QBoxLayout::LeftToRight);
+    m_bar->setDirection(room < parts + title ? QBoxLayout::TopToBottom : QBoxLayout::LeftToRight);
 }
 
 void SectionPane::setTitle(const QString& title)

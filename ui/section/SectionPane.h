@@ -24,13 +24,13 @@ public:
     SectionPane(ViewRenderer& renderer, ViewSettings& settings, bool openGl, QWidget* parent = nullptr);
 
     Viewport& viewport() noexcept { return *m_viewport; }
-    /// Beside the main view: the title stands above the fields instead of before them.
-    void setNarrow(bool narrow);
     void setTitle(const QString& title);
     QString title() const;
     void setWidth(double width, const QString& unit);
     void setExaggeration(double times);
     QDoubleSpinBox& widthField() noexcept { return *m_width; }
+    /// As narrow as the bar's longest part; it has up to three lines then.
+    QSize minimumSizeHint() const override;
     QDoubleSpinBox& exaggerationField() noexcept { return *m_exaggeration; }
     QToolButton& closeButton() noexcept { return *m_close; }
 
@@ -45,11 +45,19 @@ signals:
     void moveWanted();
     void closeWanted();
 
-private:
-    QToolButton* addButton(QBoxLayout& row, const QString& icon, const QString& tip);
+protected:
+    void resizeEvent(QResizeEvent* event) override;
 
-    QBoxLayout* m_bar;
+private:
+    void makeFields();
+    void addButtons();
+    QToolButton* addButton(const QString& icon, const QString& tip);
+
     QLabel* m_title;
+    QBoxLayout* m_bar;  ///< the title, and what can be done
+    QBoxLayout* m_row;  ///< that: the fields and the buttons
+    QBoxLayout* m_fields;
+    QBoxLayout* m_buttons;
     QDoubleSpinBox* m_width;
     QDoubleSpinBox* m_exaggeration;
     QToolButton* m_close = nullptr;

@@ -89,7 +89,7 @@ bool SectionTool::mouseReleased(const QMouseEvent& event)
 {
     if (!std::exchange(m_takenPress, false)) return false;
     m_mouse = event.position();
-    if (m_start && farFrom(*m_start, m_mouse)) finish(m_mouse);
+    if (m_start && farFromStart(m_mouse)) finish(m_mouse);
     return true;
 }
 
@@ -110,9 +110,14 @@ bool SectionTool::keyPressed(const QKeyEvent& event)
     return false;
 }
 
-bool SectionTool::farFrom(QPointF a, QPointF b) const
+bool SectionTool::farFromStart(QPointF at) const
 {
-    return glm::distance(m_viewport.toPicture(a), m_viewport.toPicture(b)) >= kShortest * m_viewport.pixelRatio();
+    glm::dvec2 start = m_viewport.toPicture(*m_start);
+    if (m_first) {  // the camera may have moved meanwhile
+        const QSize size = m_viewport.pictureSize();
+        start = m_viewport.camera().project(*m_first, {size.width(), size.height()});
+    }
+    return glm::distance(start, m_viewport.toPicture(at)) >= kShortest * m_viewport.pixelRatio();
 }
 
 void SectionTool::find(QPointF at, std::function<void(const glm::dvec3&)> reply)

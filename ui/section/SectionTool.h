@@ -46,7 +46,7 @@ private:
     /// `reply` gets the place under the mouse, a little later.
     void find(QPointF at, std::function<void(const glm::dvec3&)> reply);
     glm::dvec3 placeAt(QPointF at, double height) const;
-    bool farFrom(QPointF a, QPointF b) const;
+    bool farFromStart(QPointF at) const;
     void finish(QPointF at);
     void giveUp();
     void updateDraft();

@@ -183,19 +183,21 @@ void Sections::linkPoints()
 
 // -- opening and closing
 
-double Sections::shownWidth(double length) const
+double Sections::firstWidth(double length, const QString& unit) const
 {
-    const double chosen = m_settings.sectionWidth();
+    const double chosen = m_settings.sectionWidth(unit);
     return chosen > 0.0 ? chosen : std::max(roundLength(length / kFirstWidth), m_pane->widthField().minimum());
 }
 
 void Sections::draw(const glm::dvec3& from, const glm::dvec3& to)
 {
+    const Document* const active = m_window.workspace().active();
+    if (!active) return;
     Section section;
     section.from = from;
     section.to = to;
     section.stretch = m_window.viewport().camera().stretch;
-    section.width = shownWidth(section.length());
+    section.width = firstWidth(section.length(), active->lengthUnit());
     if (!section.usable()) {
         m_window.workspace().say(MessageKind::Info,
                                  tr("A section is drawn between two places that differ on the map."));
@@ -248,7 +250,6 @@ void Sections::close()
 void Sections::place(bool beside)
 {
     m_splitter.setOrientation(beside ? Qt::Horizontal : Qt::Vertical);
-    m_pane->setNarrow(beside);
 }
 
 void Sections::change(const std::optional<Section>& section)
@@ -271,7 +272,7 @@ void Sections::show()
     const QString title =
         tr("%1 long, %2 wide").arg(lengthText(m_section->length(), unit), lengthText(m_section->width, unit));
     m_pane->setTitle(!m_points        ? title
-                     : *m_points == 0 ? tr("%1  ·  no points").arg(title)
+                     : *m_points == 0 ? tr("%1  ·  no points shown").arg(title)
                                       : tr("%1  ·  %2").arg(title, pointsText(*m_points)));
 }
 
@@ -296,7 +297,7 @@ void Sections::setWidth(double width)
     Section other = *m_section;
     other.width = std::clamp(width, m_pane->widthField().minimum(), m_pane->widthField().maximum());
     change(other);
-    m_settings.setSectionWidth(m_section->width);
+    if (m_document) m_settings.setSectionWidth(m_section->width, m_document->lengthUnit());
     show();
     m_countTimer.start();
 }

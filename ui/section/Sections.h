@@ -76,7 +76,8 @@ private:
     void place(bool beside);
     void count();
     void take(const ShownHeights& found);
-    double shownWidth(double length) const;
+    /// Of a section of this length that is opened in a file with this unit of length.
+    double firstWidth(double length, const QString& unit) const;
 
     MainWindow& m_window;
     QSplitter& m_splitter;

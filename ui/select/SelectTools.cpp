@@ -300,7 +300,9 @@ void SelectTools::giveUp()
 
 void SelectTools::followCamera()
 {
-    if (!m_shape || !clicked() || m_anchors.size() != m_corners.size()) return;
+    if (!m_shape) return;
+    m_selection.viewMoved();
+    if (!clicked() || m_anchors.size() != m_corners.size()) return;
     const QSize size = m_viewport->pictureSize();
     const double ratio = m_viewport->pixelRatio();
     for (std::size_t k = 0; k < m_corners.size(); ++k) {

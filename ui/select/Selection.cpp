@@ -119,6 +119,12 @@ void Selection::begin(SelectMode mode, ViewRenderer* view, std::vector<ClipPlane
     m_drawView = view;
     m_drawCuts = std::move(cuts);
     m_base = std::make_shared<Base>();
+    m_shot.reset();
+}
+
+void Selection::viewMoved()
+{
+    m_shot.reset();
 }
 
 void Selection::draw(ScreenMask mask)
@@ -130,11 +136,13 @@ void Selection::finish(ScreenMask mask)
 {
     if (!std::exchange(m_drawing, false)) return;
     askShape(std::move(mask), false);
+    m_shot.reset();
 }
 
 void Selection::abandon()
 {
     if (!std::exchange(m_drawing, false)) return;
+    m_shot.reset();
     std::erase_if(m_tasks, [this](const Task& task) { return task.base == m_base; });
     ++m_generation;
     if (m_job != 0) m_workspace.cancel(m_job);
@@ -145,11 +153,14 @@ void Selection::abandon()
 
 void Selection::askShape(ScreenMask mask, bool live)
 {
+    if (!active()) return;
+    const bool none = !m_shot || (m_shot->answered && !m_shot->view);
+    if (none) m_shot = takeShot(m_drawView ? *m_drawView : m_renderer);
     Task task;
     task.title = tr("Select");
     task.live = live;
     task.base = m_base;
-    task.view = m_drawView;
+    task.shot = m_shot;
     task.work = [mask = std::move(mask), mode = m_drawMode, depth = m_depth, slab = m_slab,
                  touchable = touchable(m_drawCuts)](const std::shared_ptr<const PointSet>& before,
                                                     const ViewSnapshot& view, Progress& progress) {
@@ -298,9 +309,21 @@ void Selection::connectNeighbors(double distance)
 
 // -- one after the other
 
+std::shared_ptr<Selection::Shot> Selection::takeShot(ViewRenderer& view)
+{
+    const auto shot = std::make_shared<Shot>();
+    view.snapshot(active()->cloud(), this, [this, shot](const std::shared_ptr<const ViewSnapshot>& seen) {
+        shot->answered = true;
+        shot->view = seen;
+        startNext();
+    });
+    return shot;
+}
+
 void Selection::ask(Task task)
 {
-    if (!active()) return;
+    task.document = active();
+    if (!task.document) return;
     if (!task.base) task.base = std::make_shared<Base>();
     // a newer shape replaces one that nobody has begun
     if (!m_tasks.empty() && m_tasks.back().live) m_tasks.pop_back();
@@ -310,42 +333,32 @@ void Selection::ask(Task task)
 
 void Selection::startNext()
 {
-    if (m_tasks.empty() || m_waiting || m_job != 0) return;
-    Document* const document = active();
-    if (!document) {
-        m_tasks.clear();
-        return;
+    while (m_job == 0 && !m_tasks.empty()) {
+        Task& next = m_tasks.front();
+        const bool wanted = next.document && next.document == active();
+        if (wanted && !next.shot) next.shot = takeShot(m_renderer);
+        if (wanted && !next.shot->answered) return;
+        Task task = std::move(next);
+        m_tasks.pop_front();
+        if (wanted && task.shot->view) run(std::move(task));
     }
-    m_waiting = true;
-    ViewRenderer* const asked = m_tasks.front().view;
-    (asked ? *asked : m_renderer)
-        .snapshot(
-            document->cloud(), this,
-            [this, asked, target = QPointer<Document>(document)](const std::shared_ptr<const ViewSnapshot>& view) {
-                m_waiting = false;
-                if (m_tasks.empty()) return;
-                if (m_tasks.front().view != asked) return startNext();  // another took its place, drawn elsewhere
-                Task task = std::move(m_tasks.front());
-                m_tasks.pop_front();
-                if (target && view && target == active()) run(view, *target, std::move(task));
-                startNext();
-            });
 }
 
-void Selection::run(const std::shared_ptr<const ViewSnapshot>& view, Document& document, Task task)
+void Selection::run(Task task)
 {
     const auto result = std::make_shared<State>();
     const std::uint64_t generation = m_generation;
-    if (!std::exchange(task.base->known, true)) task.base->points = points(&document);
+    if (!std::exchange(task.base->known, true)) task.base->points = points(task.document);
     m_job = m_workspace.startJob(
         task.title,
-        [view, result, work = std::move(task.work), before = task.base->points](Progress& progress) {
+        [view = task.shot->view, result, work = std::move(task.work),
+         before = task.base->points](Progress& progress) {
             const auto points = std::make_shared<PointSet>(work(before, *view, progress));
             result->count = points->count();
             result->hidden = countWithout(*points, *view->visible);
             if (result->count != 0) result->points = points;
         },
-        [this, result, generation, target = QPointer<Document>(&document)](const JobInfo& info) {
+        [this, result, generation, target = task.document](const JobInfo& info) {
             m_job = 0;
             if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
             if (info.state == JobState::Finished && target && generation == m_generation) publish(*target, *result);

@@ -58,13 +58,15 @@ public:
     /// How many of them the view does not show, being behind others or outside of the picture.
     PointIndex hiddenCount() const;
     /// A shape or question is being worked on.
-    bool busy() const noexcept { return m_job != 0 || m_waiting || !m_tasks.empty(); }
+    bool busy() const noexcept { return m_job != 0 || !m_tasks.empty(); }
 
     // -- what tools draw
     /// What is selected now is what shapes are put together with, until finish() or abandon(). Shapes are drawn in
     /// `view`, of whose points those that `cuts` leave are meant; null: the main view.
     void begin(SelectMode mode, ViewRenderer* view = nullptr, std::vector<ClipPlane> cuts = {});
     bool drawing() const noexcept { return m_drawing; }
+    /// The camera has moved: the shapes that follow lie on another picture.
+    void viewMoved();
     /// The shape so far; shown as soon as it is worked out.
     void draw(ScreenMask mask);
     void finish(ScreenMask mask);
@@ -104,21 +106,30 @@ private:
         bool known = false;
         std::shared_ptr<const PointSet> points;
     };
+    /// The picture that a shape lies on, asked for as soon as there is a shape: the view may close or move on
+    /// before it is worked out.
+    struct Shot {
+        bool answered = false;
+        std::shared_ptr<const ViewSnapshot> view;  ///< null: there is none
+    };
     struct Task {
         QString title;
         Work work;
         bool live = false;  ///< may be left out when a newer one has come
         std::shared_ptr<Base> base;
-        ViewRenderer* view = nullptr;  ///< whose picture counts; null: the main one's
+        std::shared_ptr<Shot> shot;
+        QPointer<Document> document;
     };
 
     Document* active() const;
     State state(const Document* document) const;
     void dropDeleted();
+    /// What the main view, or another one, shows of the active document.
+    std::shared_ptr<Shot> takeShot(ViewRenderer& view);
     void ask(Task task);
     void askShape(ScreenMask mask, bool live);
     void startNext();
-    void run(const std::shared_ptr<const ViewSnapshot>& view, Document& document, Task task);
+    void run(Task task);
     void publish(Document& document, State state);
     /// Asked in the GUI thread; gives what says in a job which points of a set may be touched.
     std::function<Touchable(const PointCloud&, const PointSet& among, Progress&)> touchable(
@@ -142,10 +153,10 @@ private:
     bool m_drawing = false;
     SelectMode m_drawMode = SelectMode::Replace;
     std::shared_ptr<Base> m_base;  ///< of the drawing
+    std::shared_ptr<Shot> m_shot;  ///< of the drawing; null: none since the camera moved
     ViewRenderer* m_drawView = nullptr;
     std::vector<ClipPlane> m_drawCuts;
     std::deque<Task> m_tasks;
-    bool m_waiting = false;  ///< for the picture to be finished
     JobId m_job = 0;
     std::uint64_t m_generation = 0;  ///< answers to questions asked before the last abandon() are dropped
 };
