@@ -83,7 +83,7 @@ MainWindow::Unsaved askInBox(QWidget* parent, const QString& name)
 
 MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     : QMainWindow(parent),
-      m_workspace(new Workspace(WindowSettings::journalFolder(options.settingsFile), this)),
+      m_workspace(new Workspace(WindowSettings::historyRoom(options.settingsFile), this)),
       m_settings(std::make_unique<WindowSettings>(options.settingsFile, [this](std::function<void()> write) {
           m_workspace->startJob(
               tr("Settings"), [write = std::move(write)](Progress&) { write(); }, {}, true);

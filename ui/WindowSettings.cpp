@@ -46,6 +46,7 @@ const QString kColorMap = QStringLiteral("view/colorMap");
 const QString kBackground = QStringLiteral("view/background");
 const QString kSectionWidth = QStringLiteral("section/width_%1");
 const QString kSectionBeside = QStringLiteral("section/beside");
+const QString kUndoMemory = QStringLiteral("edit/undoMemory");  // MiB
 const QString kRecent = QStringLiteral("files/recent");
 const QString kFolder = QStringLiteral("files/folder");
 
@@ -57,12 +58,18 @@ std::unique_ptr<QSettings> openSettings(const QString& file)
 
 }  // namespace
 
-QString WindowSettings::journalFolder(const QString& file)
+HistoryRoom WindowSettings::historyRoom(const QString& file)
 {
     const QString beside = file.isEmpty() ? QStandardPaths::writableLocation(QStandardPaths::GenericDataLocation) +
                                                 QStringLiteral("/Punctum")
                                           : QFileInfo(file).absolutePath();
-    return beside + QStringLiteral("/journals");
+    HistoryRoom room;
+    room.folder = toPath(beside + QStringLiteral("/journals"));
+    bool given = false;
+    const qulonglong megabytes = openSettings(file)->value(kUndoMemory).toULongLong(&given);
+    constexpr qulonglong kMost = qulonglong(1) << 24;  // 16 TiB
+    if (given) room.memory = std::size_t(std::min(megabytes, kMost)) << 20;
+    return room;
 }
 
 WindowSettings::WindowSettings(const QString& file, RunInBackground inBackground)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/edit/History.h"
 #include "ui/ViewRenderer.h"
 #include "ui/style/Theme.h"
 
@@ -24,8 +25,9 @@ class ViewSettings;
 class WindowSettings
 {
 public:
-    /// Where unsaved edits are noted down: beside the settings of this file; empty: in the user's data.
-    static QString journalFolder(const QString& file);
+    /// Where unsaved edits are noted down, and what undo needs is kept that does not fit into memory: beside the
+    /// settings of this file; empty: in the user's data. How much memory it is, is a setting.
+    static HistoryRoom historyRoom(const QString& file);
 
     using RunInBackground = std::function<void(std::function<void()>)>;
 

@@ -50,9 +50,10 @@ struct Workspace::Opening {
     QPointer<Document> document;  ///< GUI thread only
 };
 
-Workspace::Workspace(const QString& journals, QObject* parent)
+Workspace::Workspace(HistoryRoom room, QObject* parent)
     : QObject(parent),
-      m_recovery(std::make_unique<Recovery>(*this, toPath(journals))),
+      m_room(std::move(room)),
+      m_recovery(std::make_unique<Recovery>(*this, m_room.folder)),
       m_jobs(std::make_unique<Jobs>())
 {
 }
@@ -123,7 +124,7 @@ void Workspace::open(const QString& path)
     m_opening.push_back(opening);
     opening->job = startJob(
         tr("Open %1").arg(fileNameOf(absolute)),
-        [this, opening, order = m_order](Progress& progress) {
+        [this, opening, order = m_order, room = m_room](Progress& progress) {
             progress.begin("Reading the header", 1);
             const auto reader = las::Reader::open(toPath(opening->path));
             progress.check();
@@ -132,7 +133,7 @@ void Workspace::open(const QString& path)
             data->source = reader->source();
             data->cloud = reader->createCloud();
             data->store = std::make_shared<render::PointStore>(data->cloud, reader->source()->sampledBounds, order);
-            data->history = std::make_shared<History>(data->cloud);
+            data->history = std::make_shared<History>(data->cloud, room);
             opening->data = data;
             QMetaObject::invokeMethod(
                 this, [this, opening] { documentReady(opening); }, Qt::QueuedConnection);
@@ -599,6 +600,8 @@ void Workspace::extract(Document& document, std::shared_ptr<const PointSet> poin
 void Workspace::edited(Document& document)
 {
     document.noteEdit();
+    if (const std::string warning = document.data()->history->takeWarning(); !warning.empty())
+        say(MessageKind::Warning, toQString(warning));
     countUnsaved(document);
 }
 

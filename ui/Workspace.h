@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/edit/History.h"
 #include "core/edit/Recipe.h"
 #include "core/process/Step.h"
 #include "core/task/Jobs.h"
@@ -36,8 +37,9 @@ class Workspace final : public QObject
 public:
     using Ended = std::function<void(const JobInfo&)>;
 
-    /// `journals`: the folder where unsaved edits are noted down, in case of a crash; empty: nowhere.
-    explicit Workspace(const QString& journals = {}, QObject* parent = nullptr);
+    /// `room`: what each document may keep for undo; in its folder unsaved edits are noted down as well, in case of
+    /// a crash.
+    explicit Workspace(HistoryRoom room = {}, QObject* parent = nullptr);
     ~Workspace() override;
 
     const std::vector<Document*>& documents() const noexcept { return m_documents; }
@@ -143,6 +145,7 @@ private:
         bool countAgain = false;  ///< something changed meanwhile
     };
 
+    HistoryRoom m_room;
     std::unique_ptr<Recovery> m_recovery;  ///< outlives the jobs
     std::unique_ptr<Jobs> m_jobs;
     std::vector<Document*> m_documents;

@@ -69,7 +69,9 @@ public:
 
     void prepare() override { m_edit->prepare(); }
     void stow() noexcept override { m_edit->stow(); }
+    void spill(SpillFile& file) override { m_edit->spill(file); }
     std::size_t memory() const noexcept override { return m_edit->memory() + std::size_t(m_narrow.size()); }
+    std::size_t spilled() const noexcept override { return m_edit->spilled(); }
 
     Effect effect() const override { return {{m_wide.columns[0]}, {m_wide}, {m_narrow}}; }
     void cross(const Column& column, std::span<std::byte> values) const override { m_edit->cross(column, values); }

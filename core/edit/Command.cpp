@@ -79,7 +79,7 @@ ValueCommand::ValueCommand(std::string name, const Attribute& attribute, std::sh
       m_values(std::move(values))
 {
     assert(m_points->size() == m_column->size());
-    assert(m_values.size() == m_count * m_column->elementBytes());
+    assert(m_values->size() == m_count * m_column->elementBytes());
     if (attribute.bitWidth != 0) m_mask = attribute.maxBits() << attribute.bitShift;
 }
 
@@ -94,7 +94,7 @@ void ValueCommand::apply(PointCloud& cloud) noexcept
             tbb::parallel_for(std::size_t(0), m_ranks.size() - 1, [&](std::size_t block) {
                 const std::size_t first = block * kBlockWords;
                 const std::size_t last = std::min(m_points->words().size(), first + kBlockWords);
-                std::byte* const values = m_values.data() + m_ranks[block] * bytes;
+                std::byte* const values = m_values->data() + m_ranks[block] * bytes;
                 switch (bytes) {
                     case 1:
                         swapBits(*m_points, first, last, column, values, std::uint8_t(m_mask));
@@ -117,15 +117,18 @@ void ValueCommand::apply(PointCloud& cloud) noexcept
     cloud.notify(m_notice);
 }
 
-std::vector<std::byte> ValueCommand::unpackedValues() const
+/// One element for each point.
+std::vector<std::byte> ValueCommand::values() const
 {
+    if (!m_packed) return m_values.copy();
+    const std::vector<std::byte> packed = m_values.copy();
     const std::size_t bytes = m_column->elementBytes();
     std::vector<std::byte> values;
     values.reserve(std::size_t(m_count) * bytes);
-    for (std::size_t at = 0; at < m_packedValues->size(); at += sizeof(std::uint32_t) + bytes) {
+    for (std::size_t at = 0; at < packed.size(); at += sizeof(std::uint32_t) + bytes) {
         std::uint32_t count = 0;
-        std::memcpy(&count, m_packedValues->data() + at, sizeof count);
-        const std::byte* const element = m_packedValues->data() + at + sizeof count;
+        std::memcpy(&count, packed.data() + at, sizeof count);
+        const std::byte* const element = packed.data() + at + sizeof count;
         for (std::uint32_t k = 0; k < count; ++k) values.insert(values.end(), element, element + bytes);
     }
     return values;
@@ -133,13 +136,35 @@ std::vector<std::byte> ValueCommand::unpackedValues() const
 
 void ValueCommand::prepare()
 {
+    m_stowed = false;
     m_points.fetch();
     m_notice.points = m_points.points();
-    if (m_packedValues) {
-        m_values = unpackedValues();
-        m_packedValues.reset();
+    m_ranks = m_points->ranks(kBlockWords);
+    m_values.fetch();
+    if (m_packed) *m_values = values();
+    m_packed = false;
+}
+
+void ValueCommand::packValues()
+{
+    if (m_packed || m_values.spilled() != 0) return;
+    const std::size_t bytes = m_column->elementBytes();
+    const std::vector<std::byte>& plain = *m_values;
+    std::vector<std::byte> packed;
+    for (std::size_t at = 0; at < plain.size();) {
+        std::size_t end = at + bytes;
+        const std::size_t most = std::min(plain.size(), at + bytes * std::numeric_limits<std::uint32_t>::max());
+        while (end < most && std::memcmp(plain.data() + at, plain.data() + end, bytes) == 0) end += bytes;
+        const auto count = std::uint32_t((end - at) / bytes);
+        const auto* const first = reinterpret_cast<const std::byte*>(&count);
+        packed.insert(packed.end(), first, first + sizeof count);
+        packed.insert(packed.end(), plain.begin() + std::ptrdiff_t(at), plain.begin() + std::ptrdiff_t(at + bytes));
+        if (packed.size() >= plain.size()) return;
+        at = end;
     }
-    m_stowed = false;
+    packed.shrink_to_fit();
+    *m_values = std::move(packed);
+    m_packed = true;
 }
 
 void ValueCommand::stow() noexcept
@@ -148,40 +173,30 @@ void ValueCommand::stow() noexcept
     try {
         m_points.stow();
         m_notice.points.reset();
-        const std::size_t bytes = m_column->elementBytes();
-        std::vector<std::byte> packed;
-        for (std::size_t at = 0; at < m_values.size();) {
-            std::size_t end = at + bytes;
-            const std::size_t most =
-                std::min(m_values.size(), at + bytes * std::numeric_limits<std::uint32_t>::max());
-            while (end < most && std::memcmp(m_values.data() + at, m_values.data() + end, bytes) == 0) end += bytes;
-            const auto count = std::uint32_t((end - at) / bytes);
-            const auto* const first = reinterpret_cast<const std::byte*>(&count);
-            packed.insert(packed.end(), first, first + sizeof count);
-            packed.insert(packed.end(), m_values.begin() + std::ptrdiff_t(at),
-                          m_values.begin() + std::ptrdiff_t(at + bytes));
-            if (packed.size() >= m_values.size()) return;
-            at = end;
-        }
-        packed.shrink_to_fit();
-        m_packedValues = std::move(packed);
-        m_values = {};
+        m_ranks = {};
+        packValues();
     } catch (const std::bad_alloc&) {
         // then it stays as it is, which is as good
     }
 }
 
+void ValueCommand::spill(SpillFile& file)
+{
+    m_points.spill(file);
+    m_values.spill(file);
+}
+
 std::size_t ValueCommand::memory() const noexcept
 {
-    return m_points.memory() + (m_packedValues ? m_packedValues->size() : m_values.size());
+    return m_points.memory() + m_values.memory() + m_ranks.size() * sizeof m_ranks[0];
 }
 
 void ValueCommand::cross(const Column& column, std::span<std::byte> values) const
 {
     if (&column != m_column.get()) return;
     const std::size_t bytes = column.elementBytes();
-    const std::vector<std::byte> unpacked = m_packedValues ? unpackedValues() : std::vector<std::byte>();
-    const std::byte* theirs = m_packedValues ? unpacked.data() : m_values.data();
+    const std::vector<std::byte> ourValues = this->values();
+    const std::byte* theirs = ourValues.data();
     std::byte mask[sizeof m_mask];
     std::memcpy(mask, &m_mask, sizeof mask);
     m_points.points()->forEach([&](PointIndex i) {

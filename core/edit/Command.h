@@ -4,6 +4,7 @@
 #include "core/cloud/PointCloud.h"
 #include "core/edit/PackedSet.h"
 #include "core/edit/Recipe.h"
+#include "core/edit/SpillFile.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -30,22 +31,29 @@ public:
 
     /// Shown in menus and lists: "Reclassify to 6 Building".
     const std::string& name() const noexcept { return m_name; }
-    /// What it was made from, where that is known: makeCommand() sets it, a journal keeps it.
+    /// What it was made from, where that is known: makeCommand() sets it, a journal keeps it. Needed until the
+    /// command has been done for the first time; its set is dropped then.
     const std::optional<Recipe>& recipe() const noexcept { return m_recipe; }
     void setRecipe(Recipe recipe) { m_recipe = std::move(recipe); }
+    void dropRecipe() noexcept { m_recipe.reset(); }
     /// Points whose values differ.
     virtual PointIndex changedPoints() const noexcept = 0;
-    /// Which they are; null where that is all points, or not known.
+    /// Which they are; null where that is all points, or not known. Throws Error when it cannot be read back.
     virtual std::shared_ptr<const PointSet> points() const { return nullptr; }
     /// Does it if undone, undoes it if done: takes cloud.mutex() alone for the time of the swap, then notifies.
     /// Parallel; never throws; call it from a job, not the GUI thread.
     virtual void apply(PointCloud& cloud) noexcept = 0;
-    /// Makes ready for apply(), and takes apart what stow() put together. May throw; nothing has changed then.
+    /// Makes ready for apply(): reads back what is spilled, and takes apart what stow() put together. May throw;
+    /// nothing has changed then.
     virtual void prepare() {}
     /// Puts together what is kept until the next apply(), in as little memory as it takes.
     virtual void stow() noexcept {}
-    /// Bytes that it keeps, about.
+    /// Moves what stow() put together to the file, as much of it as can be there. Throws Error when the file takes
+    /// no more; all is kept then, where it is.
+    virtual void spill(SpillFile&) {}
+    /// Bytes that it keeps in memory, about, and in the file.
     virtual std::size_t memory() const noexcept { return 0; }
+    virtual std::size_t spilled() const noexcept { return 0; }
 
     /// What there is to be seen of it in the cloud, done or undone.
     struct Effect {
@@ -55,7 +63,7 @@ public:
     /// The same for as long as the command is neither done nor undone.
     virtual Effect effect() const = 0;
     /// `values`: the column's elements as they are on this side of the command; they become those of the other
-    /// side. Nothing for columns that it does not swap.
+    /// side. Nothing for columns that it does not swap. Throws Error when it cannot be read back.
     virtual void cross(const Column& column, std::span<std::byte> values) const = 0;
 
 private:
@@ -80,7 +88,9 @@ public:
     void apply(PointCloud& cloud) noexcept override;
     void prepare() override;
     void stow() noexcept override;
+    void spill(SpillFile& file) override;
     std::size_t memory() const noexcept override;
+    std::size_t spilled() const noexcept override { return m_points.spilled() + m_values.spilled(); }
     Effect effect() const override { return {{m_column}, {}, {}}; }
     void cross(const Column& column, std::span<std::byte> values) const override;
 
@@ -88,15 +98,16 @@ private:
     ChangeNotice m_notice;  ///< made early, so that apply() has nothing to allocate
     std::shared_ptr<Column> m_column;
     StowableSet m_points;
-    std::vector<PointIndex> m_ranks;  ///< of the blocks of words that threads swap
+    std::vector<PointIndex> m_ranks;  ///< of the blocks of words that threads swap; none while it is stowed
     PointIndex m_count = 0;
     std::uint64_t m_mask = ~std::uint64_t(0);  ///< bits of an element that belong to the attribute
-    std::vector<std::byte> m_values;
+    /// While `m_packed`: a count of 4 bytes and an element for each run of equal ones.
+    StowedBytes m_values;
+    bool m_packed = false;
     bool m_stowed = false;  ///< it was tried
-    /// While it is stowed, where that is shorter: a count of 4 bytes and an element for each run of equal ones.
-    std::optional<std::vector<std::byte>> m_packedValues;
 
-    std::vector<std::byte> unpackedValues() const;
+    std::vector<std::byte> values() const;
+    void packValues();
 };
 
 /// Adds attributes with columns that are already filled (normals); undoing takes them out again.

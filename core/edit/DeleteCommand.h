@@ -22,7 +22,9 @@ public:
     void apply(PointCloud& cloud) noexcept override;
     void prepare() override;
     void stow() noexcept override;
+    void spill(SpillFile& file) override { m_points.spill(file); }
     std::size_t memory() const noexcept override { return m_points.memory(); }
+    std::size_t spilled() const noexcept override { return m_points.spilled(); }
     Effect effect() const override { return {}; }
     void cross(const Column&, std::span<std::byte>) const override {}
 

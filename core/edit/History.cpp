@@ -3,10 +3,13 @@
 
 #include "core/edit/Command.h"
 #include "core/edit/Journal.h"
+#include "core/edit/SpillFile.h"
 #include "core/task/Progress.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
+
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -59,6 +62,13 @@ bool contains(const List& list, const Item& item)
 
 }  // namespace
 
+std::size_t HistoryRoom::defaultMemory() noexcept
+{
+    constexpr std::size_t kLeast = std::size_t(256) << 20;
+    const long pages = ::sysconf(_SC_PHYS_PAGES), bytes = ::sysconf(_SC_PAGESIZE);
+    return pages > 0 && bytes > 0 ? std::max(kLeast, std::size_t(pages) / 16 * std::size_t(bytes)) : kLeast;
+}
+
 void History::push(std::unique_ptr<Command> command)
 {
     if (command == nullptr) return;
@@ -71,6 +81,7 @@ void History::push(std::unique_ptr<Command> command)
         forgotten.reserve(m_commands.size() - m_done);
     }
     if (const auto journal = this->journal()) journal->done(*command);
+    command->dropRecipe();  // its set may be large
     command->apply(*m_cloud);
     {
         const std::lock_guard lock(m_mutex);
@@ -110,18 +121,42 @@ void History::move(bool forward)
     stowDistant();
 }
 
-/// Commands near the present state are at hand at once; the others are put together once they take too much. Takes
-/// a while: what the window asks meanwhile is answered, as only a change alters the list.
+/// Commands near the present state are at hand at once; the others are put together once they take too much, and
+/// the farthest go to the file. Takes a while: what the window asks meanwhile is answered, as only a change alters
+/// the list.
 void History::stowDistant() noexcept
 {
     std::size_t bytes = 0;
+    bool over = false, takes = !m_room.folder.empty();
+    Kept kept;
     const auto visit = [&](Command& command) {
         bytes += command.memory();
-        if (bytes > m_loose) command.stow();
+        const auto tooMuch = [&] { return over || kept.memory + command.memory() > m_room.memory; };
+        if (bytes > m_room.loose || tooMuch()) command.stow();
+        over = tooMuch();
+        if (over && takes && command.memory() > 0) takes = spill(command);
+        kept.memory += command.memory();
+        kept.file += command.spilled();
     };
     for (std::size_t step = 0; step < m_commands.size(); ++step) {
         if (step < m_done) visit(*m_commands[m_done - 1 - step]);
         if (m_done + step < m_commands.size()) visit(*m_commands[m_done + step]);
+    }
+    const std::lock_guard lock(m_mutex);
+    m_kept = kept;
+}
+
+/// Whether it is worth trying with the next one.
+bool History::spill(Command& command) noexcept
+{
+    try {
+        if (!m_file) m_file = SpillFile::create(m_room.folder);
+        command.spill(*m_file);
+        return true;
+    } catch (const std::exception& e) {
+        const std::lock_guard lock(m_mutex);
+        if (!std::exchange(m_warned, true)) m_warning = e.what();
+        return false;
     }
 }
 
@@ -233,13 +268,16 @@ std::vector<std::string> History::names() const
     return names;
 }
 
-std::size_t History::memory() const
+History::Kept History::kept() const
 {
-    const std::lock_guard changing(m_changing);
     const std::lock_guard lock(m_mutex);
-    std::size_t bytes = 0;
-    for (const auto& command : m_commands) bytes += command->memory();
-    return bytes;
+    return m_kept;
+}
+
+std::string History::takeWarning()
+{
+    const std::lock_guard lock(m_mutex);
+    return std::exchange(m_warning, {});
 }
 
 std::size_t History::position() const

@@ -4,6 +4,7 @@
 #include "core/edit/Command.h"
 
 #include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -15,12 +16,27 @@ namespace punctum
 
 class Journal;
 class Progress;
+class SpillFile;
 
 /// An attribute, and how many points have another value of it than before.
 struct AttributeChange {
     std::string attribute;
     PointIndex points = 0;
     friend bool operator==(const AttributeChange&, const AttributeChange&) = default;
+};
+
+/// Where a history keeps what undo and redo need.
+struct HistoryRoom {
+    /// Bytes that the commands nearest to the present state may take; the others are packed, and are a little
+    /// slower to undo.
+    std::size_t loose = std::size_t(128) << 20;
+    /// Bytes of memory for all of them together; what goes beyond, farthest from the present state, is moved to a
+    /// file.
+    std::size_t memory = defaultMemory();
+    std::filesystem::path folder{};  ///< of that file; empty: all stays in memory
+
+    /// A sixteenth of what the machine has, and no less than 256 MiB.
+    static std::size_t defaultMemory() noexcept;
 };
 
 /// The commands done to one cloud, in order, and how many of them are in force.
@@ -31,14 +47,13 @@ struct AttributeChange {
 class History
 {
 public:
-    /// `loose`: bytes that the commands nearest to the present state may take; the others are kept in as little
-    /// memory as it takes, and are a little slower to undo.
-    explicit History(std::shared_ptr<PointCloud> cloud, std::size_t loose = std::size_t(256) << 20)
-        : m_cloud(std::move(cloud)), m_loose(loose)
+    explicit History(std::shared_ptr<PointCloud> cloud, HistoryRoom room = {})
+        : m_cloud(std::move(cloud)), m_room(std::move(room))
     {
     }
 
-    /// Applies the command and puts it on top; commands that were undone are gone. Null: nothing happens.
+    /// Applies the command and puts it on top; commands that were undone are gone. Null: nothing happens. As the
+    /// two below, throws Error with all as it was when what the command needs cannot be read back.
     void push(std::unique_ptr<Command> command);
     void undo();  ///< nothing when there is nothing to undo
     void redo();
@@ -54,25 +69,38 @@ public:
     /// Whether the cloud differs from what was last saved (or loaded).
     bool modified() const;
     void markSaved();
-    /// What differs from what was last saved (or loaded), but for points deleted since: values that really are other
-    /// ones, not those that were changed and changed back. Attributes that were not there then are left out; of
-    /// those that were replaced by others of the same name, all points count. Nothing when that state can no longer
-    /// be reached. Waits for a change that goes on; memory: a column at a time. Throws Cancelled.
+    /// What differs from what was last saved (or loaded), but for points deleted since: values that really are
+    /// other ones, not those that were changed and changed back. Attributes that were not there then are left out;
+    /// of those that were replaced by others of the same name, all points count. Nothing when that state can no
+    /// longer be reached. Waits for a change that goes on; memory: a column at a time. Throws Cancelled, Error.
     std::optional<std::vector<AttributeChange>> changes(Progress& progress) const;
     std::vector<std::string> names() const;  ///< oldest first
-    std::size_t memory() const;              ///< bytes that the commands keep, about
     std::size_t position() const;            ///< how many of names() are in force
+
+    /// Bytes that the commands keep, about.
+    struct Kept {
+        std::size_t memory = 0;
+        std::size_t file = 0;
+    };
+    Kept kept() const;
+    /// A sentence when the file took no more, so that memory is used on; given once, else empty.
+    std::string takeWarning();
 
 private:
     void move(bool forward);
     void stowDistant() noexcept;
+    bool spill(Command& command) noexcept;
 
     std::shared_ptr<PointCloud> m_cloud;
-    std::size_t m_loose;
-    mutable std::mutex m_changing;  ///< one change at a time
-    mutable std::mutex m_mutex;     ///< guards what follows
+    HistoryRoom m_room;
+    std::shared_ptr<SpillFile> m_file;  ///< null until it is needed; used by changes alone
+    mutable std::mutex m_changing;      ///< one change at a time
+    mutable std::mutex m_mutex;         ///< guards what follows
     std::vector<std::unique_ptr<Command>> m_commands;
     std::size_t m_done = 0;
+    Kept m_kept;
+    std::string m_warning;
+    bool m_warned = false;
     std::shared_ptr<Journal> m_journal;
     std::ptrdiff_t m_saved = 0;  ///< -1: the saved state can no longer be reached
 };

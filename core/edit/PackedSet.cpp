@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "core/edit/PackedSet.h"
 
+#include "core/Error.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -106,9 +108,8 @@ std::string PackedSet::text() const
 std::optional<PackedSet> PackedSet::fromText(std::string_view text, PointIndex size)
 {
     if (text.size() % 4 != 0) return {};
-    PackedSet set;
-    set.m_size = size;
-    set.m_runs.reserve(text.size() / 4 * 3);
+    std::vector<std::uint8_t> runs;
+    runs.reserve(text.size() / 4 * 3);
     for (std::size_t k = 0; k < text.size(); k += 4) {
         std::uint32_t bits = 0;
         std::size_t filled = 0;
@@ -119,26 +120,71 @@ std::optional<PackedSet> PackedSet::fromText(std::string_view text, PointIndex s
             bits = bits << 6 | std::uint32_t(pad ? 0 : digit);
             if (!pad) ++filled;
         }
-        for (std::size_t b = 0; b + 1 < filled; ++b) set.m_runs.push_back(std::uint8_t(bits >> (16 - 8 * b)));
+        for (std::size_t b = 0; b + 1 < filled; ++b) runs.push_back(std::uint8_t(bits >> (16 - 8 * b)));
     }
+    return fromRuns(std::move(runs), size);
+}
+
+std::optional<PackedSet> PackedSet::fromRuns(std::vector<std::uint8_t> runs, PointIndex size)
+{
+    PackedSet set;
+    set.m_size = size;
+    set.m_runs = std::move(runs);
     if (!set.forRuns([](PointIndex, PointIndex) {})) return {};
     return set;
 }
 
+std::shared_ptr<const PointSet> StowableSet::points() const
+{
+    if (const Plain* const plain = std::get_if<Plain>(&m_kept)) return *plain;
+    if (const PackedSet* const packed = std::get_if<PackedSet>(&m_kept))
+        return std::make_shared<const PointSet>(packed->unpacked());
+    const Spilled& spilled = std::get<Spilled>(m_kept);
+    if (!spilled.packed) {
+        auto points = std::make_shared<PointSet>(m_size);
+        spilled.piece.read(std::as_writable_bytes(points->words()));
+        return points;
+    }
+    std::vector<std::uint8_t> runs(spilled.piece.size());
+    spilled.piece.read(std::as_writable_bytes(std::span(runs)));
+    const auto packed = PackedSet::fromRuns(std::move(runs), m_size);
+    if (!packed) throw Error("What this edit needs was damaged on the disk; the points stay as they are.");
+    return std::make_shared<const PointSet>(packed->unpacked());
+}
+
 void StowableSet::stow()
 {
-    if (std::exchange(m_tried, true)) return;
-    PackedSet packed(*m_points);
-    if (packed.bytes() >= m_points->words().size_bytes()) return;
-    m_packed = std::move(packed);
-    m_points.reset();
+    const Plain* const plain = std::get_if<Plain>(&m_kept);
+    if (plain == nullptr || std::exchange(m_tried, true)) return;
+    PackedSet packed(**plain);
+    if (packed.bytes() < (*plain)->words().size_bytes()) m_kept = std::move(packed);
+}
+
+void StowableSet::spill(SpillFile& file)
+{
+    if (const Plain* const plain = std::get_if<Plain>(&m_kept))
+        m_kept = Spilled{file.write(std::as_bytes((*plain)->words())), false};
+    else if (const PackedSet* const packed = std::get_if<PackedSet>(&m_kept))
+        m_kept = Spilled{file.write(std::as_bytes(std::span(packed->runs()))), true};
 }
 
 void StowableSet::fetch()
 {
-    m_points = points();
-    m_packed.reset();
+    m_kept = points();
     m_tried = false;
+}
+
+std::size_t StowableSet::memory() const noexcept
+{
+    if (const Plain* const plain = std::get_if<Plain>(&m_kept)) return (*plain)->words().size_bytes();
+    const PackedSet* const packed = std::get_if<PackedSet>(&m_kept);
+    return packed != nullptr ? packed->bytes() : 0;
+}
+
+std::size_t StowableSet::spilled() const noexcept
+{
+    const Spilled* const spilled = std::get_if<Spilled>(&m_kept);
+    return spilled != nullptr ? spilled->piece.size() : 0;
 }
 
 }  // namespace punctum

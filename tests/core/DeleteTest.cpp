@@ -127,7 +127,7 @@ private slots:
         const auto cloud = makeFrame(1000);
         std::vector<ChangeNotice> notices;
         const auto subscription = cloud->subscribe([&](const ChangeNotice& n) { notices.push_back(n); });
-        History history(cloud, 0);  // every command but the nearest is packed
+        History history(cloud, {0});  // every command but the nearest is packed
         const auto first = randomSet(1000, 1, 3);
         auto second = randomSet(1000, 2, 3);
         second->remove(*first);

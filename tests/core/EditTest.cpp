@@ -2,14 +2,23 @@
 // Commands and History: what is done can be undone, exactly, and the history keeps its rules.
 #include "core/edit/History.h"
 
+#include "core/Error.h"
 #include "core/edit/DeleteCommand.h"
+#include "core/edit/SpillFile.h"
 #include "core/task/Progress.h"
 #include "tests/core/MadeCloud.h"
 
+#include <QTemporaryDir>
 #include <QTest>
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <random>
 #include <thread>
 
@@ -79,12 +88,17 @@ private slots:
     void bitFieldLeavesItsNeighboursAlone();
     void wideElementsSwap();
     void noticeNamesAttributeAndPoints();
+    void oneMillionOfTwentySwapsFast_data();
     void oneMillionOfTwentySwapsFast();
     void attributesComeAndGo();
     void attributesReplaceInPlace();
     void attributesReplaceAnotherType();
     void attributesReplaceWithoutVector();
+    void randomEditsComeBack_data();
     void randomEditsComeBack();
+    void spilledPiecesComeBackAndTheirRoomIsUsedAgain();
+    void aFullDiskLeavesEditsInMemory();
+    void whatCannotBeReadBackChangesNothing();
     void historyKeepsItsRules();
     void historyKnowsWhatWasSaved();
     void historyTellsWhatDiffers();
@@ -192,14 +206,24 @@ void EditTest::noticeNamesAttributeAndPoints()
     QVERIFY(lockWasFree);
 }
 
+void EditTest::oneMillionOfTwentySwapsFast_data()
+{
+    QTest::addColumn<bool>("onDisk");
+    QTest::newRow("from memory") << false;
+    QTest::newRow("from the disk") << true;
+}
+
 void EditTest::oneMillionOfTwentySwapsFast()
 {
+    QFETCH(bool, onDisk);
+    const QTemporaryDir folder;
     constexpr PointIndex kPoints = 20'000'000;
     const auto cloud = makeFrame(kPoints);
     auto classes = cloud->columns()[3]->values<std::uint8_t>();
     std::fill(classes.begin(), classes.end(), std::uint8_t(1));
-    History history(cloud);
+    History history(cloud, onDisk ? HistoryRoom{0, 0, folder.path().toStdString()} : HistoryRoom{});
     history.push(setValue<std::uint8_t>(*cloud, "Classification", 20, 6));
+    QCOMPARE(history.kept().memory == 0, onDisk);
     std::vector<double> ms;
     for (int round = 0; round < 7; ++round) {
         const auto start = std::chrono::steady_clock::now();
@@ -480,9 +504,21 @@ void EditTest::writerGetsInWhileReadersRead()
     QVERIFY(waited < std::chrono::milliseconds(200));
 }
 
-/// 1,000 edits of every kind of set and type, undone and redone; and what the commands keep is packed.
+void EditTest::randomEditsComeBack_data()
+{
+    QTest::addColumn<bool>("onDisk");
+    QTest::newRow("in memory") << false;
+    QTest::newRow("on the disk") << true;
+}
+
+/// 1,000 edits of every kind of set and type, undone and redone; and what the commands keep is packed, or in a
+/// file.
 void EditTest::randomEditsComeBack()
 {
+    QFETCH(bool, onDisk);
+    const QTemporaryDir folder;
+    HistoryRoom room{1 << 20};
+    if (onDisk) room = {2 << 10, 6 << 10, folder.path().toStdString()};
     constexpr PointIndex kSize = 20'077;
     const auto cloud = makeFrame(kSize, {}, true);
     addScalar<std::uint16_t>(*cloud, "Intensity");
@@ -493,7 +529,9 @@ void EditTest::randomEditsComeBack()
         for (std::size_t k = 0; k < column->size() * column->elementBytes(); ++k)
             column->data()[k] = std::byte(column->name() == "GpsTime" ? 0 : random() % 3);
     const char* const names[] = {"Classification", "Withheld", "Intensity", "GpsTime", "Id"};
-    History history(cloud, 1 << 20);
+    History history(cloud, room);
+    std::size_t most = 0;
+    const auto peak = [&] { most = std::max(most, history.kept().memory); };
     std::vector<std::vector<std::vector<std::byte>>> states{snapshot(*cloud)};
     std::size_t unpacked = 0;
     for (int k = 0; k < 1000; ++k) {
@@ -519,23 +557,138 @@ void EditTest::randomEditsComeBack()
             values.push_back(equal ? std::byte(1) : std::byte(random()));
         unpacked += values.size() + kSize / 8;
         history.push(std::make_unique<ValueCommand>("edit", attribute, std::move(points), std::move(values)));
+        peak();
         if (k % 100 == 99) states.push_back(snapshot(*cloud));
     }
-    const std::size_t kept = history.memory();
-    qInfo("%zu bytes kept, %zu unpacked", kept, unpacked);
-    QVERIFY(kept < unpacked);
+    const History::Kept kept = history.kept();
+    qInfo("%zu bytes kept in memory and %zu in a file, %zu unpacked", kept.memory, kept.file, unpacked);
+    QVERIFY(kept.memory + kept.file < unpacked);
+    QCOMPARE(kept.file > 0, onDisk);
+    QVERIFY(std::filesystem::is_empty(folder.path().toStdString()));  // it has no name
     for (int round = 0; round < 2; ++round) {
         for (std::size_t k = states.size(); k-- > 0;) {
             QVERIFY(snapshot(*cloud) == states[k]);
-            for (int n = 0; n < 100 && k > 0; ++n) history.undo();
+            for (int n = 0; n < 100 && k > 0; ++n, peak()) history.undo();
         }
         QVERIFY(!history.canUndo());
         for (std::size_t k = 0; k < states.size(); ++k) {
             QVERIFY(snapshot(*cloud) == states[k]);
-            for (int n = 0; n < 100 && k + 1 < states.size(); ++n) history.redo();
+            for (int n = 0; n < 100 && k + 1 < states.size(); ++n, peak()) history.redo();
         }
         QVERIFY(!history.canRedo());
     }
+    qInfo("at most %zu bytes in memory", most);
+    if (onDisk) QVERIFY(most <= room.memory);
+    QCOMPARE(history.takeWarning(), std::string());
+    // what is dropped leaves the file, too
+    while (history.canUndo()) history.undo();
+    history.push(setValue<std::uint16_t>(*cloud, "Intensity", 1000, 5));
+    QCOMPARE(history.kept().file, std::size_t(0));
+}
+
+void EditTest::spilledPiecesComeBackAndTheirRoomIsUsedAgain()
+{
+    const QTemporaryDir folder;
+    const auto file = SpillFile::create(folder.path().toStdString() + "/made/here");
+    std::mt19937_64 random(4);
+    struct Kept {
+        SpillFile::Piece piece;
+        std::vector<std::byte> bytes;
+    };
+    std::vector<Kept> all;
+    std::uint64_t written = 0, kept = 0, most = 0;
+    for (int k = 0; k < 4000; ++k) {
+        if (all.size() > 40 || (!all.empty() && random() % 3 == 0)) {
+            Kept& one = all[random() % all.size()];
+            std::vector<std::byte> back(one.piece.size());
+            one.piece.read(back);
+            QVERIFY(back == one.bytes);
+            kept -= back.size();
+            std::swap(one, all.back());
+            all.pop_back();
+            continue;
+        }
+        std::vector<std::byte> bytes(1 + random() % 5000);
+        for (std::byte& b : bytes) b = std::byte(random());
+        written += bytes.size();
+        kept += bytes.size();
+        most = std::max(most, kept);
+        all.push_back({file->write(bytes), bytes});
+    }
+    QVERIFY2(file->length() < 2 * most && written > 10 * most,
+             qPrintable(QStringLiteral("%1 of %2").arg(file->length()).arg(most)));
+    all.clear();
+    QCOMPARE(file->length(), std::uint64_t(0));
+}
+
+void EditTest::aFullDiskLeavesEditsInMemory()
+{
+    const QTemporaryDir folder;
+    const auto cloud = makeFrame(50'000);
+    const auto before = snapshot(*cloud);
+    History history(cloud, {0, 1 << 10, folder.path().toStdString()});
+    const auto fill = [&] {
+        for (int k = 2; k < 12; ++k)
+            history.push(setValue<std::uint8_t>(*cloud, "Classification", PointIndex(k), std::uint8_t(k)));
+    };
+    // a disk that takes no more than 10,000 bytes of a file
+    rlimit limit{};
+    QCOMPARE(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+    const rlimit small{10'000, limit.rlim_max};
+    const auto handler = ::signal(SIGXFSZ, SIG_IGN);
+    QCOMPARE(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    fill();
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    ::signal(SIGXFSZ, handler);
+    const auto after = snapshot(*cloud);
+    QVERIFY(history.kept().memory > 20'000);
+    const std::string warning = history.takeWarning();
+    QVERIFY2(warning.find("stays in memory") != std::string::npos, warning.c_str());
+    QCOMPARE(history.takeWarning(), std::string());
+    while (history.canUndo()) history.undo();
+    QVERIFY(snapshot(*cloud) == before);
+    while (history.canRedo()) history.redo();
+    QVERIFY(snapshot(*cloud) == after);
+    QVERIFY(history.kept().memory <= 1 << 10);  // there is room again
+
+    // no folder can be made there
+    History other(cloud, {0, 0, "/dev/null/nowhere"});
+    other.push(setValue<std::uint8_t>(*cloud, "Classification", 1, 3));
+    QVERIFY(!other.takeWarning().empty() && other.kept().memory > 0);
+    other.undo();
+    QVERIFY(snapshot(*cloud) == after);
+}
+
+void EditTest::whatCannotBeReadBackChangesNothing()
+{
+    const QTemporaryDir folder;
+    const auto cloud = makeFrame(5000);
+    History history(cloud, {0, 0, folder.path().toStdString()});
+    history.push(setValue<std::uint8_t>(*cloud, "Classification", 3, 2));
+    QCOMPARE(history.kept().memory, std::size_t(0));
+    const auto before = snapshot(*cloud);
+    // the file has no name, but this program has it open
+    int cut = 0;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+        std::error_code ignored;
+        const std::string target = std::filesystem::read_symlink(entry.path(), ignored).string();
+        if (target.starts_with(folder.path().toStdString()) && ::truncate(entry.path().c_str(), 1) == 0) ++cut;
+    }
+    QCOMPARE(cut, 1);
+    for (int round = 0; round < 2; ++round) {
+        std::string told;
+        try {
+            history.undo();
+        } catch (const Error& e) {
+            told = e.what();
+        }
+        QVERIFY2(told.find("cannot be read back") != std::string::npos, told.c_str());
+        QVERIFY(snapshot(*cloud) == before);
+        QCOMPARE(history.position(), std::size_t(1));
+    }
+    history.push(setValue<std::uint8_t>(*cloud, "Classification", 5, 7));
+    history.undo();
+    QVERIFY(snapshot(*cloud) == before);
 }
 
 QTEST_APPLESS_MAIN(EditTest)

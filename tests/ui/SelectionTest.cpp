@@ -267,10 +267,24 @@ private slots:
         QCOMPARE(unlike, 0);
     }
 
+    void keysSetClassesAndUndoBringsThemBack_data()
+    {
+        QTest::addColumn<QByteArray>("settings");
+        QTest::addColumn<QString>("kept");
+        QTest::newRow("from memory") << QByteArray() << QStringLiteral(" in memory");
+        QTest::newRow("from the disk") << QByteArray("[edit]\nundoMemory=0\n") << QStringLiteral("bytes on the disk");
+    }
+
     void keysSetClassesAndUndoBringsThemBack()
     {
         NEED_AUTZEN();
-        Bench b;
+        QFETCH(QByteArray, settings);
+        QFETCH(QString, kept);
+        const QTemporaryDir folder;
+        QFile file(folder.filePath(QStringLiteral("s.ini")));
+        QVERIFY(file.open(QIODevice::WriteOnly) && file.write(settings) == settings.size());
+        file.close();
+        Bench b(file.fileName());
         QVERIFY(b.begin(Tool::Rectangle));
         const Attribute classes = *b.document->findAttribute(QStringLiteral("Classification"));
         std::vector<int> before(b.document->points());
@@ -291,6 +305,7 @@ private slots:
         b.window->historyDock().show();
         b.window->historyDock().raise();
         QCOMPARE(list.count(), 2);
+        QVERIFY2(list.toolTip().contains(kept), qPrintable(list.toolTip()));
         QTest::mouseClick(list.viewport(), Qt::LeftButton, {}, list.visualItemRect(list.item(1)).center());
         QVERIFY(waitFor([&] { return b.document->data()->history->position() == 1; }) && b.done());
         points->forEach([&](PointIndex i) { QCOMPARE(int(classes.number(i)), 6); });

@@ -18,7 +18,6 @@ HistoryDock::HistoryDock(Workspace& workspace, QWidget* parent)
     setObjectName(QStringLiteral("history"));
     m_list->setFrameShape(QFrame::NoFrame);
     m_list->setAccessibleName(tr("Edits, oldest first"));
-    m_list->setToolTip(tr("Click an edit to go back or forward to the state after it"));
     setWidget(m_list);
     connect(m_list, &QListWidget::itemClicked, this, [this](QListWidgetItem* item) {
         if (m_document) m_workspace.walk(*m_document, std::size_t(m_list->row(item)));
@@ -38,13 +37,22 @@ void HistoryDock::setDocument(Document* document)
 void HistoryDock::fill()
 {
     QStringList names;
+    QString tip = tr("Click an edit to go back or forward to the state after it");
     std::size_t position = 0;
     if (m_document) {
         const History& history = *m_document->data()->history;
         names << tr("Opened");
         for (const std::string& name : history.names()) names << toQString(name);
         position = history.position();
+        const History::Kept kept = history.kept();
+        if (kept.file > 0)
+            tip +=
+                QLatin1Char('\n') +
+                tr("Kept for that: %1 in memory, %2 on the disk").arg(bytesText(kept.memory), bytesText(kept.file));
+        else if (kept.memory > 0)
+            tip += QLatin1Char('\n') + tr("Kept for that: %1 in memory").arg(bytesText(kept.memory));
     }
+    m_list->setToolTip(tip);
     // stateChanged comes often, while a file loads for example: nothing moves unless something is other
     bool same = names.size() == m_list->count();
     for (int row = 0; same && row < m_list->count(); ++row) same = m_list->item(row)->text() == names[row];
