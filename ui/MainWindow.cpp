@@ -156,7 +156,7 @@ void MainWindow::addDocks()
     m_classes = new ClassesDock(*m_view, this);
     connect(m_classes, &ClassesDock::selectWanted, m_selection, &Selection::selectClass);
     m_processing = new ProcessingDock(*m_workspace, this);
-    m_edit = new EditDock(*m_workspace, *m_selection, this);
+    m_edit = new EditDock(*m_workspace, *m_selection, *m_renderer, *m_view, this);
     m_history = new HistoryDock(*m_workspace, this);
     m_properties = new PropertiesDock(this);
     m_measureDock = new MeasureDock(*m_measurements, this);

@@ -340,6 +340,14 @@ void ViewRenderer::setSelection(std::shared_ptr<const PointCloud> cloud, std::sh
     });
 }
 
+void ViewRenderer::setPreview(std::shared_ptr<const PointCloud> cloud, std::shared_ptr<const Preview> preview)
+{
+    post([cloud = std::move(cloud), preview = std::move(preview)](Thread& thread) {
+        thread.changeStores(StoreChange::Values,
+                            [&](render::ProgressiveRenderer& renderer) { renderer.setPreview(*cloud, preview); });
+    });
+}
+
 void ViewRenderer::snapshot(std::shared_ptr<const PointCloud> cloud, QObject* receiver, SnapshotReply reply)
 {
     post([this, cloud = std::move(cloud), target = QPointer<QObject>(receiver),

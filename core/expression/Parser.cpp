@@ -51,6 +51,7 @@ public:
             auto& one = rule.cases.emplace_back();
             one.value = disjunction();
             if (!takeKeyword("if")) break;
+            one.conditionByte = peek().byte;
             one.condition.push_back(disjunction());
             if (!takeKeyword("else")) break;
         }

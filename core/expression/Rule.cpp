@@ -6,296 +6,21 @@
 #include "core/edit/AttributeName.h"
 #include "core/edit/ClassCommand.h"
 #include "core/expression/ExpressionError.h"
-#include "core/expression/Program.h"
+#include "core/expression/RuleTask.h"
 #include "core/task/Progress.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <cmath>
 #include <cstring>
-#include <limits>
 #include <mutex>
 #include <optional>
+#include <type_traits>
 
 namespace punctum::expression
 {
 
 namespace
 {
-
-/// A case of the rule, bound to a cloud.
-struct BoundCase {
-    Node value;
-    std::optional<Node> condition;
-};
-
-/// A value that does not fit, and where.
-struct Misfit {
-    PointIndex point = std::numeric_limits<PointIndex>::max();
-    std::string value;
-};
-
-/// Turns values into raw elements of the target.
-template <typename T>
-class Target
-{
-public:
-    explicit Target(const Attribute& a) : m_scaled(a.scaled), m_scale(a.scale), m_offset(a.offset)
-    {
-        if constexpr (std::is_integral_v<T>) {
-            m_low = a.bitWidth != 0 ? 0 : Int128(std::numeric_limits<T>::min());
-            m_high = a.bitWidth != 0 ? Int128(a.maxBits()) : Int128(std::numeric_limits<T>::max());
-        }
-        if (!a.noData) return;
-        std::visit(
-            [&](auto v) {
-                if constexpr (std::is_floating_point_v<T> || std::is_integral_v<decltype(v)>)
-                    m_none = T(v);
-                else if (v >= double(m_low) && v <= double(m_high) && v == std::floor(v))
-                    m_none = T(v);
-            },
-            *a.noData);
-    }
-
-    enum class Fit { Yes, No, None };
-
-    Fit convert(double v, T& raw) const
-    {
-        if (std::isnan(v)) return none(raw);
-        if (m_scaled) v = (v - m_offset) / m_scale;
-        if constexpr (std::is_floating_point_v<T>) {
-            raw = T(v);
-            return std::isfinite(v) && !std::isfinite(raw) ? Fit::No : Fit::Yes;
-        } else {
-            v = std::round(v);
-            if (!(std::abs(v) < 0x1p100)) return Fit::No;
-            return whole(Int128(v), raw);
-        }
-    }
-    Fit convert(Int128 v, T& raw) const
-    {
-        if (v == kNone) return none(raw);
-        if constexpr (std::is_integral_v<T>)
-            if (!m_scaled) return whole(v, raw);
-        return convert(double(v), raw);
-    }
-
-private:
-    Fit none(T& raw) const
-    {
-        if (m_none) {
-            raw = *m_none;
-            return Fit::Yes;
-        }
-        if constexpr (std::is_floating_point_v<T>) {
-            raw = std::numeric_limits<T>::quiet_NaN();
-            return Fit::Yes;
-        } else {
-            return Fit::None;
-        }
-    }
-    Fit whole(Int128 v, T& raw) const
-    {
-        if (v < m_low || v > m_high) return Fit::No;
-        raw = T(v);
-        return Fit::Yes;
-    }
-
-    bool m_scaled;
-    double m_scale, m_offset;
-    Int128 m_low = 0, m_high = 0;
-    std::optional<T> m_none;
-};
-
-std::string textOf(double v)
-{
-    return toText(Value(v));
-}
-std::string textOf(Int128 v)
-{
-    if (v >= std::numeric_limits<std::int64_t>::min() && v <= std::numeric_limits<std::int64_t>::max())
-        return toText(Value(std::int64_t(v)));
-    return v > 0 && v <= std::numeric_limits<std::uint64_t>::max() ? toText(Value(std::uint64_t(v)))
-                                                                   : toText(Value(double(v)));
-}
-
-/// What an attribute can hold: "holds 0 to 31".
-std::string holdsText(const Attribute& a)
-{
-    if (a.bitWidth != 0) return "holds 0 to " + std::to_string(a.maxBits());
-    return visitScalar(a.type(), [&](auto zero) {
-        using T = decltype(zero);
-        using Limits = std::numeric_limits<T>;
-        double lo = double(Limits::lowest()), hi = double(Limits::max());
-        if (!a.scaled && std::is_integral_v<T>)
-            return "holds " + textOf(Int128(Limits::lowest())) + " to " + textOf(Int128(Limits::max()));
-        if (a.scaled) {
-            lo = lo * a.scale + a.offset;
-            hi = hi * a.scale + a.offset;
-        }
-        return "holds " + textOf(std::min(lo, hi)) + " to " + textOf(std::max(lo, hi));
-    });
-}
-
-/// Classes that makeClassCommand() gives: a byte each.
-bool isClassByte(const Attribute& a)
-{
-    return a.kind == AttributeKind::Class && a.type() == ScalarType::U8 && a.bitShift == 0;
-}
-
-/// What the target's values are held against: a narrow field of classes (point formats 0-5) is widened if need be,
-/// by makeClassCommand().
-Attribute widest(Attribute target)
-{
-    if (isClassByte(target)) target.bitWidth = 0;
-    return target;
-}
-
-/// Evaluates the cases over one task's words; T is the target column's type.
-template <typename T>
-class Task
-{
-public:
-    Task(const std::vector<BoundCase>& cases, const std::vector<Attribute>& attributes, const Attribute& target,
-         const PointSet* within)
-        : m_cases(cases), m_target(target), m_convert(widest(target)), m_within(within), m_evaluator(attributes)
-    {
-    }
-
-    /// Calls change(points, flags, raws) for each block: of the points whose flag is 1 the target gets the raw
-    /// element. `current`: the column's values, which leaves out the points that have the value already; or null.
-    template <typename Change>
-    void run(std::size_t firstWord, std::size_t lastWord, PointIndex size, const T* current, Change change)
-    {
-        constexpr std::size_t kBlockWords = kBlockPoints / 64;
-        for (std::size_t w = firstWord; w < lastWord; w += kBlockWords) {
-            const PointRange points{PointIndex(w) * 64,
-                                    std::min(size, PointIndex(std::min(lastWord, w + kBlockWords)) * 64)};
-            if (block(points, current)) change(points, m_chosen.data(), m_raw.data());
-        }
-    }
-
-    Misfit misfit;
-
-private:
-    /// Fills m_chosen and m_raw; false when no point changes.
-    bool block(PointRange points, const T* current)
-    {
-        if (!begin(points)) return false;
-        for (const BoundCase& one : m_cases) {
-            if (one.condition)
-                m_evaluator.condition(*one.condition, points, m_flags.data());
-            else
-                m_flags.fill(1);
-            unsigned any = 0;
-            for (std::size_t k = 0; k < kBlockPoints; ++k) {
-                m_flags[k] &= m_left[k];
-                m_left[k] ^= m_flags[k];
-                any |= m_flags[k];
-            }
-            if (any != 0) assign(one.value, points);
-        }
-        const T mask = bits();
-        if (current != nullptr)
-            for (std::size_t k = 0; k < points.size(); ++k)
-                m_chosen[k] &= std::uint8_t(differs(current[points.first + k], m_raw[k], mask));
-        return std::find(m_chosen.begin(), m_chosen.end(), std::uint8_t(1)) != m_chosen.end();
-    }
-
-    /// No point has been decided; only those within may be. False when there are none.
-    bool begin(PointRange points)
-    {
-        m_chosen.fill(0);
-        if (m_within == nullptr) {
-            m_left.fill(1);
-        } else {
-            m_left.fill(0);
-            const std::size_t word = std::size_t(points.first / 64);
-            m_within->forEachInWords(word, word + std::size_t((points.size() + 63) / 64),
-                                     [&](PointIndex i) { m_left[std::size_t(i - points.first)] = 1; });
-        }
-        std::fill(m_left.begin() + std::ptrdiff_t(points.size()), m_left.end(), std::uint8_t(0));
-        return std::find(m_left.begin(), m_left.end(), std::uint8_t(1)) != m_left.end();
-    }
-
-    void assign(const Node& value, PointRange points)
-    {
-        if (value.type == Node::Type::Wide) {
-            m_evaluator.wide(value, points, m_wides.data());
-            take(value, points, m_wides.data());
-        } else {
-            m_evaluator.number(value, points, m_numbers.data());
-            take(value, points, m_numbers.data());
-        }
-    }
-
-    /// Takes the values of the points whose flag is set.
-    template <typename V>
-    void take(const Node& value, PointRange points, const V* values)
-    {
-        if (T raw{}; value.op == Node::Op::Constant && convert(values[0], raw) == Target<T>::Fit::Yes) {
-            for (std::size_t k = 0; k < kBlockPoints; ++k) {
-                m_raw[k] = m_flags[k] ? raw : m_raw[k];
-                m_chosen[k] |= m_flags[k];
-            }
-            return;
-        }
-        for (std::size_t k = 0; k < points.size(); ++k) {
-            if (!m_flags[k]) continue;
-            switch (convert(values[k], m_raw[k])) {
-                case Target<T>::Fit::Yes:
-                    m_chosen[k] = 1;
-                    break;
-                case Target<T>::Fit::No:
-                    if (points.first + k < misfit.point) misfit = {points.first + k, textOf(values[k])};
-                    break;
-                case Target<T>::Fit::None:
-                    break;
-            }
-        }
-    }
-
-    template <typename V>
-    typename Target<T>::Fit convert(V value, T& raw) const
-    {
-        const auto fit = m_convert.convert(value, raw);
-        if constexpr (std::is_integral_v<T>) raw = T(raw << m_target.bitShift);
-        return fit;
-    }
-
-    T bits() const
-    {
-        if constexpr (std::is_integral_v<T>)
-            return m_target.bitWidth == 0 ? T(~T(0)) : T(m_target.maxBits() << m_target.bitShift);
-        else
-            return T(0);
-    }
-    static bool differs(T a, T b, T mask)
-    {
-        if constexpr (std::is_integral_v<T>)
-            return T(a & mask) != b;
-        else
-            return std::memcmp(&a, &b, sizeof a) != 0;  // one NaN is as good as the same one
-    }
-
-    const std::vector<BoundCase>& m_cases;
-    const Attribute& m_target;
-    Target<T> m_convert;
-    const PointSet* m_within;
-    Evaluator m_evaluator;
-    std::array<std::uint8_t, kBlockPoints> m_left{}, m_flags{}, m_chosen{};
-    std::array<double, kBlockPoints> m_numbers{};
-    std::array<Int128, kBlockPoints> m_wides{};
-    std::array<T, kBlockPoints> m_raw{};
-};
-
-void refuse(const Misfit& misfit, const Attribute& target)
-{
-    if (misfit.value.empty()) return;
-    throw Error(target.name + " " + holdsText(widest(target)) + "; the value " + misfit.value + " of point " +
-                grouped(misfit.point) + " does not fit.");
-}
 
 std::vector<BoundCase> bindCases(const Assignment& rule, bool classes, Bindings& bindings)
 {
@@ -308,10 +33,8 @@ std::vector<BoundCase> bindCases(const Assignment& rule, bool classes, Bindings&
     return cases;
 }
 
-/// Puts a block's changes into the set, and their elements behind those that are there.
-template <typename T>
-void append(PointRange block, const std::uint8_t* chosen, const T* raw, PointSet& points,
-            std::vector<std::byte>& values)
+/// Puts the points whose flag is 1 into the set; how many these are.
+std::size_t take(PointRange block, const std::uint8_t* chosen, PointSet& points)
 {
     const auto first = std::size_t(block.first / 64), last = std::size_t((block.last + 63) / 64);
     std::size_t count = 0;
@@ -319,10 +42,19 @@ void append(PointRange block, const std::uint8_t* chosen, const T* raw, PointSet
         points.words()[w] = packFlags(chosen + (w - first) * 64);
         count += std::size_t(std::popcount(points.words()[w]));
     }
+    return count;
+}
+
+/// Puts a block's changes into the set, and their elements behind those that are there.
+template <typename T>
+void append(PointRange block, const std::uint8_t* chosen, const T* raw, PointSet& points,
+            std::vector<std::byte>& values)
+{
+    const std::size_t count = take(block, chosen, points);
     std::size_t at = values.size();
     if (values.capacity() < at + count * sizeof(T)) values.reserve(2 * (at + count * sizeof(T)));
     values.resize(at + count * sizeof(T));
-    points.forEachInWords(first, last, [&](PointIndex i) {
+    points.forEachInWords(std::size_t(block.first / 64), std::size_t((block.last + 63) / 64), [&](PointIndex i) {
         std::memcpy(values.data() + at, raw + (i - block.first), sizeof(T));
         at += sizeof(T);
     });
@@ -331,6 +63,73 @@ void append(PointRange block, const std::uint8_t* chosen, const T* raw, PointSet
 bool isCoordinate(const Attribute& a)
 {
     return a.standard && (a.name == "X" || a.name == "Y" || a.name == "Z");
+}
+
+/// A rule bound to a cloud and to the points that may change.
+class Bound
+{
+public:
+    /// To change an attribute of the cloud, of its points within that were not deleted.
+    Bound(const Assignment& rule, const std::string& text, const PointCloud& cloud, const PointSet* within)
+        : m_bindings{text, &cloud, {}}, m_within(within)
+    {
+        const std::shared_lock lock(cloud.mutex());
+        if (cloud.deleted()) {
+            m_living = *cloud.deleted();
+            m_living->invert();
+            if (within) m_living->intersect(*within);
+            m_within = &*m_living;
+        }
+        target = findScalar(rule.target, rule.targetByte, m_bindings);
+        if (isCoordinate(target))
+            throw ExpressionError(text, rule.targetByte, "coordinates stay as they are; set another attribute.");
+        m_cases = bindCases(rule, target.kind == AttributeKind::Class, m_bindings);
+    }
+    /// To make a new attribute, whose column is there then, and holds 0.
+    Bound(const Assignment& rule, const std::string& text, const PointCloud& cloud, const PointSet* within,
+          ScalarType type)
+        : m_bindings{text, &cloud, {}}, m_within(within)
+    {
+        const std::shared_lock lock(cloud.mutex());
+        target.name = rule.target;
+        checkNewName(cloud, target.name);
+        m_cases = bindCases(rule, false, m_bindings);
+        target.columns[0] = std::make_shared<Column>(target.name, type, cloud.size());
+    }
+    Bound(const Bound&) = delete;
+    Bound& operator=(const Bound&) = delete;
+
+    Attribute target;
+
+    template <typename T>
+    std::unique_ptr<Task<T>> makeTask() const
+    {
+        return std::make_unique<Task<T>>(m_cases, m_bindings.attributes, target, m_within);
+    }
+
+private:
+    Bindings m_bindings;
+    std::vector<BoundCase> m_cases;
+    const PointSet* m_within;
+    std::optional<PointSet> m_living;
+};
+
+/// Calls each(task, firstWord, lastWord) for all words of the cloud's sets, in parallel: Task::run() is to be
+/// called there. Throws when a value does not fit.
+template <typename Each>
+void evaluate(const Bound& bound, const PointCloud& cloud, Progress& progress, Each each)
+{
+    std::mutex mutex;
+    Misfit misfit;
+    visitScalar(bound.target.type(), [&](auto zero) {
+        forEachSlab(cloud, progress, [&](std::size_t first, std::size_t last) {
+            const auto task = bound.makeTask<decltype(zero)>();
+            each(*task, first, last);
+            const std::lock_guard lock(mutex);
+            if (task->misfit.point < misfit.point) misfit = task->misfit;
+        });
+    });
+    refuse(misfit, bound.target);
 }
 
 std::string commandName(const std::string& text)
@@ -355,45 +154,20 @@ const std::string& Rule::target() const noexcept
 
 std::unique_ptr<Command> Rule::run(const PointCloud& cloud, const PointSet* within, Progress& progress) const
 {
-    Bindings bindings{m_text, &cloud, {}};
-    Attribute target;
-    std::vector<BoundCase> cases;
-    std::optional<PointSet> living;
-    {
-        const std::shared_lock lock(cloud.mutex());
-        if (cloud.deleted()) {
-            living = *cloud.deleted();
-            living->invert();
-            if (within) living->intersect(*within);
-            within = &*living;
-        }
-        target = findScalar(m_rule->target, m_rule->targetByte, bindings);
-        if (isCoordinate(target))
-            throw ExpressionError(m_text, m_rule->targetByte,
-                                  "coordinates stay as they are; set another attribute.");
-        cases = bindCases(*m_rule, target.kind == AttributeKind::Class, bindings);
-    }
+    const Bound bound(*m_rule, m_text, cloud, within);
+    const Attribute& target = bound.target;
     progress.begin("Setting " + target.name, cloud.size());
     auto points = std::make_shared<PointSet>(cloud.size());
     const std::size_t tasks = (points->words().size() + kTaskWords - 1) / kTaskWords;
     std::vector<std::vector<std::byte>> values(tasks);
-    std::mutex misfitMutex;
-    Misfit misfit;
-    visitScalar(target.type(), [&](auto zero) {
-        using T = decltype(zero);
-        forEachSlab(cloud, progress, [&](std::size_t first, std::size_t last) {
-            const auto task = std::make_unique<Task<T>>(cases, bindings.attributes, target, within);
-            std::vector<std::byte>& mine = values[first / kTaskWords];
-            const T* const current = target.columns[0]->template values<T>().data();
-            task->run(first, last, cloud.size(), current,
-                      [&](PointRange block, const std::uint8_t* chosen, const T* raw) {
-                          append(block, chosen, raw, *points, mine);
-                      });
-            const std::lock_guard lock(misfitMutex);
-            if (task->misfit.point < misfit.point) misfit = task->misfit;
-        });
+    evaluate(bound, cloud, progress, [&](auto& task, std::size_t first, std::size_t last) {
+        using T = typename std::decay_t<decltype(task)>::Value;
+        std::vector<std::byte>& mine = values[first / kTaskWords];
+        task.run(first, last, cloud.size(), target.columns[0]->template values<T>().data(),
+                 [&](PointRange block, const std::uint8_t* chosen, const T* raw) {
+                     append(block, chosen, raw, *points, mine);
+                 });
     });
-    refuse(misfit, target);
     std::size_t bytes = 0;
     for (const auto& part : values) bytes += part.size();
     if (bytes == 0) return nullptr;
@@ -408,37 +182,58 @@ std::unique_ptr<Command> Rule::run(const PointCloud& cloud, const PointSet* with
     return std::make_unique<ValueCommand>(commandName(m_text), target, std::move(points), std::move(all));
 }
 
+std::unique_ptr<Preview> Rule::preview(const PointCloud& cloud, const PointSet* within, Progress& progress) const
+{
+    const Bound bound(*m_rule, m_text, cloud, within);
+    const Attribute& target = bound.target;
+    progress.begin("Preview of " + target.name, cloud.size());
+    auto points = std::make_shared<PointSet>(cloud.size());
+    auto preview = std::make_unique<Preview>();
+    preview->attributes.push_back(widest(target));
+    const auto column = std::make_shared<Column>(target.name, target.type(), cloud.size());
+    preview->attributes[0].columns[0] = column;
+    evaluate(bound, cloud, progress, [&](auto& task, std::size_t first, std::size_t last) {
+        using T = typename std::decay_t<decltype(task)>::Value;
+        const T* const now = target.columns[0]->template values<T>().data();
+        T* const after = column->template values<T>().data();
+        const PointIndex end = std::min<PointIndex>(cloud.size(), last * 64);
+        const bool widened = isClassByte(target) && target.bitWidth != 0;
+        for (PointIndex i = first * 64; i < end; ++i) after[i] = widened ? task.ownBits(now[i]) : now[i];
+        task.run(first, last, cloud.size(), now, [&](PointRange block, const std::uint8_t* chosen, const T* raw) {
+            take(block, chosen, *points);
+            for (std::size_t k = 0; k < block.size(); ++k) {
+                T& value = after[block.first + k];
+                if (chosen[k]) value = widened ? raw[k] : task.replaced(value, raw[k]);
+            }
+        });
+    });
+    if (points->extent().empty()) return nullptr;
+    preview->points = std::move(points);
+    const std::shared_lock lock(cloud.mutex());
+    for (Attribute together : cloud.attributes()) {
+        const auto shown = std::find(together.columns.begin(), together.columns.end(), target.columns[0]);
+        if (together.components < 2 || shown == together.columns.end()) continue;
+        *shown = column;
+        preview->attributes.push_back(std::move(together));
+    }
+    return preview;
+}
+
 std::unique_ptr<Command> Rule::add(const PointCloud& cloud, ScalarType type, const PointSet* within,
                                    Progress& progress) const
 {
-    Bindings bindings{m_text, &cloud, {}};
-    Attribute target;
-    target.name = m_rule->target;
-    std::vector<BoundCase> cases;
-    {
-        const std::shared_lock lock(cloud.mutex());
-        checkNewName(cloud, target.name);
-        cases = bindCases(*m_rule, false, bindings);
-    }
+    const Bound bound(*m_rule, m_text, cloud, within, type);
+    const Attribute& target = bound.target;
     progress.begin("Computing " + target.name, cloud.size());
-    target.columns[0] = std::make_shared<Column>(target.name, type, cloud.size());
-    std::mutex misfitMutex;
-    Misfit misfit;
-    visitScalar(type, [&](auto zero) {
-        using T = decltype(zero);
+    evaluate(bound, cloud, progress, [&](auto& task, std::size_t first, std::size_t last) {
+        using T = typename std::decay_t<decltype(task)>::Value;
         T* const out = target.columns[0]->template values<T>().data();
-        forEachSlab(cloud, progress, [&](std::size_t first, std::size_t last) {
-            const auto task = std::make_unique<Task<T>>(cases, bindings.attributes, target, within);
-            task->run(first, last, cloud.size(), static_cast<const T*>(nullptr),
-                      [&](PointRange block, const std::uint8_t* chosen, const T* raw) {
-                          for (std::size_t k = 0; k < block.size(); ++k)
-                              if (chosen[k]) out[block.first + k] = raw[k];
-                      });
-            const std::lock_guard lock(misfitMutex);
-            if (task->misfit.point < misfit.point) misfit = task->misfit;
-        });
+        task.run(first, last, cloud.size(), static_cast<const T*>(nullptr),
+                 [&](PointRange block, const std::uint8_t* chosen, const T* raw) {
+                     for (std::size_t k = 0; k < block.size(); ++k)
+                         if (chosen[k]) out[block.first + k] = raw[k];
+                 });
     });
-    refuse(misfit, target);
     return std::make_unique<AttributesCommand>("Add " + target.name, std::vector<Attribute>{target});
 }
 

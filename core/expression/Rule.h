@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/edit/Command.h"
+#include "core/edit/Preview.h"
 
 #include <memory>
 #include <string>
@@ -34,7 +35,10 @@ public:
     /// change, but for deleted ones. A value that the attribute cannot hold is an Error; points whose value is none
     /// keep theirs, unless the attribute has a value for none. Throws ExpressionError, Error, Cancelled.
     std::unique_ptr<Command> run(const PointCloud& cloud, const PointSet* within, Progress& progress) const;
-    /// The same for an attribute that the cloud does not have yet: adds it with this type; 0 where no case holds.
+    /// What that command would do, null when nothing: takes a copy of the column, and changes nothing either.
+    std::unique_ptr<Preview> preview(const PointCloud& cloud, const PointSet* within, Progress& progress) const;
+    /// The command for an attribute that the cloud does not have yet: it adds it with this type; 0 where no case
+    /// holds.
     std::unique_ptr<Command> add(const PointCloud& cloud, ScalarType type, const PointSet* within,
                                  Progress& progress) const;
 

@@ -39,6 +39,7 @@ struct Assignment {
     struct Case {
         Syntax value;
         std::vector<Syntax> condition;  ///< one, or none: all points that are left
+        std::size_t conditionByte = 0;  ///< where in the text it begins
     };
     std::string target;
     std::size_t targetByte = 0;

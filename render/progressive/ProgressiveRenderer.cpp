@@ -134,12 +134,12 @@ void ProgressiveRenderer::valuesChanged(const PointCloud& cloud, const ChangeNot
     Entry* const entry = find(cloud);
     if (entry == nullptr) return;
     const std::shared_lock lock(cloud.mutex());
-    const auto encoder = entry->store->encoder();
-    if (!encoder) return;
+    if (!entry->store->encoder()) return;
     const Attribute* const classes = cloud.findAttribute("Classification");
-    const Attribute* shown = cloud.findAttribute(encoder->attribute().name);
+    const Attribute before = entry->store->shown();
+    const Attribute* shown = cloud.findAttribute(before.name);
     if (notice.kind == ChangeNotice::Kind::Attributes) {
-        if (shown != nullptr && shown->columns == encoder->attribute().columns) {
+        if (shown != nullptr && shown->columns == before.columns) {
             // What is shown is as it was; but points are hidden by classes, which may be another column now.
             if (classes == nullptr || !notice.concerns(*classes)) return;
             entry->store->markStale(nullptr);
@@ -152,7 +152,7 @@ void ProgressiveRenderer::valuesChanged(const PointCloud& cloud, const ChangeNot
         m_rangeNeeded = true;
     } else {
         const bool classesChanged = classes != nullptr && notice.concerns(*classes);
-        const bool shownChanged = notice.concerns(encoder->attribute());
+        const bool shownChanged = notice.concerns(before);
         if (!classesChanged && !shownChanged) return;
         entry->store->markStale(notice.points.get());
         if (shownChanged) m_rangeNeeded = true;
@@ -160,6 +160,17 @@ void ProgressiveRenderer::valuesChanged(const PointCloud& cloud, const ChangeNot
     }
     m_colors = {};
     m_resolveNeeded = m_visibleOutdated = true;
+}
+
+void ProgressiveRenderer::setPreview(const PointCloud& cloud, std::shared_ptr<const Preview> preview)
+{
+    Entry* const entry = find(cloud);
+    if (entry == nullptr) return;
+    {
+        const std::shared_lock lock(cloud.mutex());
+        entry->store->setPreview(std::move(preview));
+    }
+    storesChanged(StoreChange::Values);
 }
 
 void ProgressiveRenderer::hide(const PointCloud& cloud, const PointSet* points)
@@ -233,10 +244,11 @@ void ProgressiveRenderer::applyDisplay(Entry& entry)
     const PointCloud& cloud = entry.store->cloud();
     const std::shared_lock lock(cloud.mutex());
     const Attribute* const wanted = cloud.findAttribute(m_display.attribute);
-    const auto encoder = entry.store->encoder();
     if (wanted == nullptr || wanted->kind == AttributeKind::Opaque) return;
-    if (encoder && encoder->attribute().name == wanted->name && encoder->attribute().columns == wanted->columns)
-        return;
+    if (entry.store->encoder()) {
+        const Attribute shown = entry.store->shown();
+        if (shown.name == wanted->name && shown.columns == wanted->columns) return;
+    }
     entry.store->show(*wanted);
 }
 
@@ -561,7 +573,7 @@ void ProgressiveRenderer::judgeColors()
         PointStore& store = *entry->store;
         if (!store.encoder() || !store.colorsMisjudged()) continue;
         const std::shared_lock lock(store.cloud().mutex());
-        store.show(Attribute(store.encoder()->attribute()));
+        store.show(store.shown());
         m_resolveNeeded = m_visibleOutdated = true;
     }
 }

@@ -40,7 +40,7 @@ struct PickResult {
 /// mutex() shared while it reads columns. Errors: Error from the backend.
 ///
 /// Several renderers of one thread may draw the same stores. They show the same attribute then; what one is told by
-/// valuesChanged(), setSelection() or hide() it does to the stores, and the others are told by storesChanged().
+/// valuesChanged(), setSelection(), setPreview() or hide() it does to the stores, and the others are told by storesChanged().
 class ProgressiveRenderer
 {
 public:
@@ -59,6 +59,8 @@ public:
     void loadingEnded(const PointCloud& cloud, const RawBounds& bounds);
     /// Points that are drawn as selected; null: none.
     void setSelection(const PointCloud& cloud, std::shared_ptr<const PointSet> selection);
+    /// Colors as they would be after a change, PointStore::setPreview(); null: as they are.
+    void setPreview(const PointCloud& cloud, std::shared_ptr<const Preview> preview);
 
     /// Points that are not drawn from now on, beside hidden classes and what the clip cuts off; null: none.
     void hide(const PointCloud& cloud, const PointSet* points);

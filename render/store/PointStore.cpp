@@ -157,10 +157,36 @@ bool PointStore::isFilled(PointIndex index) const noexcept
 std::shared_ptr<const AttributeEncoder> PointStore::encoder() const
 {
     const std::lock_guard lock(m_encoderMutex);
-    return m_encoder;
+    return m_previewEncoder ? m_previewEncoder : m_encoder;
 }
 
-std::shared_ptr<const AttributeEncoder> PointStore::makeEncoder(const Attribute& attribute, PointRange range) const
+Attribute PointStore::shown() const
+{
+    const std::lock_guard lock(m_encoderMutex);
+    return m_encoder->attribute();
+}
+
+void PointStore::setEncoder(std::shared_ptr<const AttributeEncoder> encoder)
+{
+    std::shared_ptr<AttributeEncoder> instead;
+    if (m_preview) {
+        const auto& changed = m_preview->attributes;
+        auto after = std::find_if(changed.begin(), changed.end(),
+                                  [&](const Attribute& a) { return a.name == encoder->attribute().name; });
+        if (after == changed.end() && changed.front().kind == AttributeKind::Class) after = changed.begin();
+        if (after != changed.end()) {
+            instead = makeEncoder(*after, {});  // no marks: they would cover the colors that are to be seen
+        } else {
+            instead = std::make_shared<AttributeEncoder>(*encoder);
+            instead->setSelection(m_preview->points);
+        }
+    }
+    const std::lock_guard lock(m_encoderMutex);
+    m_encoder = std::move(encoder);
+    m_previewEncoder = std::move(instead);
+}
+
+std::shared_ptr<AttributeEncoder> PointStore::makeEncoder(const Attribute& attribute, PointRange range) const
 {
     // Judged by points that have arrived: all of `range` if it was given, else a sample of the filled slots.
     double bias = 0.0;
@@ -181,9 +207,7 @@ std::shared_ptr<const AttributeEncoder> PointStore::makeEncoder(const Attribute&
         for (std::uint32_t c = 0; color && c < 3; ++c)
             if (attribute.number(i, c) > 255) shift = 8;
     }
-    const auto encoder = std::make_shared<AttributeEncoder>(attribute, color ? 0.0 : bias, color ? shift : 0);
-    encoder->setSelection(m_selection);
-    return encoder;
+    return std::make_shared<AttributeEncoder>(attribute, color ? 0.0 : bias, color ? shift : 0);
 }
 
 std::shared_ptr<const AttributeEncoder> PointStore::encoderFor(PointRange range)
@@ -442,11 +466,18 @@ bool PointStore::colorsMisjudged() const
 
 void PointStore::show(const Attribute& attribute)
 {
-    {
-        const auto next = makeEncoder(attribute, {});
-        const std::lock_guard lock(m_encoderMutex);
-        m_encoder = next;
-    }
+    const auto next = makeEncoder(attribute, {});
+    next->setSelection(m_selection);
+    setEncoder(next);
+    markStale(nullptr);
+}
+
+void PointStore::setPreview(std::shared_ptr<const Preview> preview)
+{
+    if (!preview && !m_preview) return;
+    m_preview = std::move(preview);
+    if (!encoder()) return;
+    setEncoder(m_encoder);
     markStale(nullptr);
 }
 
@@ -455,14 +486,12 @@ void PointStore::setSelection(std::shared_ptr<const PointSet> selection)
     if (!selection && !m_selection) return;
     if (!selection) selection = std::make_shared<PointSet>(m_cloud->size());
     const auto before = std::exchange(m_selection, std::move(selection));
-    const auto current = encoder();
-    if (!current) return;
+    if (!encoder()) return;
+    const auto current = m_encoder;
     const auto next = std::make_shared<AttributeEncoder>(*current);
     next->setSelection(m_selection);
-    {
-        const std::lock_guard lock(m_encoderMutex);
-        m_encoder = next;
-    }
+    setEncoder(next);
+    if (m_preview) return;  // all words are made anew when it ends
     // Words of other kinds say "not selected" from the beginning; of scalars the bit was a digit like others.
     if (!before && current->kind() == WordKind::Scalar) return markStale(nullptr);
     PointSet changed = *m_selection;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/cloud/PointCloud.h"
+#include "core/edit/Preview.h"
 #include "render/order/SlotOrder.h"
 #include "render/store/AttributeEncoder.h"
 
@@ -114,8 +115,14 @@ public:
     void show(const Attribute& attribute);
     /// Marks these points as selected; null: none. Only those that were not, or are no longer, become stale.
     void setSelection(std::shared_ptr<const PointSet> selection);
-    /// Null until the first points have come (or show() was called).
+    /// Colors as they would be after a change, until it is taken back: null. Where the shown attribute is one of the
+    /// preview's, it is that with its new values; else new classes are shown, whatever was; of other changes the
+    /// points are marked as selected ones are. Selecting and show() go on beneath. Every slot becomes stale.
+    void setPreview(std::shared_ptr<const Preview> preview);
+    /// What words are made by. Null until the first points have come (or show() was called).
     std::shared_ptr<const AttributeEncoder> encoder() const;
+    /// The attribute of the cloud that is shown, beneath any preview. Not before there is an encoder().
+    Attribute shown() const;
     /// True when 16-bit colours turned up in a cloud that looked like 8-bit: show() it again.
     bool colorsMisjudged() const;
     /// Marks the words and classes of these points (null: of all) as out of date. Few points are brought up to
@@ -129,8 +136,9 @@ public:
 
 private:
     struct Scratch;
-    std::shared_ptr<const AttributeEncoder> makeEncoder(const Attribute& attribute, PointRange range) const;
+    std::shared_ptr<AttributeEncoder> makeEncoder(const Attribute& attribute, PointRange range) const;
     std::shared_ptr<const AttributeEncoder> encoderFor(PointRange range);
+    void setEncoder(std::shared_ptr<const AttributeEncoder> encoder);
     /// Encodes the points of a range and puts them into their slots; positions too when asked for.
     void put(PointRange range, const AttributeEncoder& encoder, bool positions);
     bool makeElements(PointRange range, Scratch& scratch) const;
@@ -145,6 +153,8 @@ private:
     Attribute m_classification;  ///< without columns when the cloud has none
     mutable std::mutex m_encoderMutex;
     std::shared_ptr<const AttributeEncoder> m_encoder;
+    std::shared_ptr<const AttributeEncoder> m_previewEncoder;  ///< instead, while there is a preview
+    std::shared_ptr<const Preview> m_preview;
     std::shared_ptr<const PointSet> m_selection;  ///< null until anything was selected
     std::atomic<PointIndex> m_filled{0};
     std::atomic<bool> m_outgrown{false};

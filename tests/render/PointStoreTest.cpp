@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "core/expression/Rule.h"
+#include "core/task/Progress.h"
 #include "render/store/PointStore.h"
 #include "tests/render/SyntheticCloud.h"
 
@@ -23,6 +25,7 @@ private Q_SLOTS:
     void eightBitColorsAreShownAsSuch();
     void gpsTimeKeepsItsDigits();
     void editsReachVisibleSlotsFirst();
+    void previewIsShownInsteadAndTakenBack();
 };
 
 void PointStoreTest::filledInAnyOrder_data()
@@ -177,6 +180,58 @@ void PointStoreTest::editsReachVisibleSlotsFirst()
         QCOMPARE(store.words()[store.order().slotOf(i)], 9u);
         QCOMPARE(unsigned(store.classes()[store.order().slotOf(i)]), 9u);
     }
+}
+
+void PointStoreTest::previewIsShownInsteadAndTakenBack()
+{
+    const auto cloud = test::makeCloud(300'000);
+    PointStore store(cloud, cloud->computeBounds());
+    store.fillAll();
+    const Attribute classes = *cloud->findAttribute("Classification"),
+                    intensity = *cloud->findAttribute("Intensity");
+    const auto wordOf = [&](PointIndex i) {
+        while (store.stale()) store.refreshNext(100'000);
+        return store.words()[store.order().slotOf(i)];
+    };
+    Progress progress;
+    const auto preview = [&](const char* rule) {
+        return std::shared_ptr<const Preview>(expression::Rule(rule).preview(*cloud, nullptr, progress));
+    };
+    PointSet changed(cloud->size());
+    for (PointIndex i = 0; i < cloud->size(); ++i)
+        if (intensity.number(i) > 1000 && classes.number(i) != 40) changed.insert(i);
+    QVERIFY(changed.count() > 0 && changed.count() < cloud->size());
+
+    // new classes, whatever is shown
+    store.show(intensity);
+    std::vector<std::uint32_t> before(cloud->size());
+    for (PointIndex i = 0; i < cloud->size(); ++i) before[i] = wordOf(i);
+    store.setPreview(preview("Classification = 40 if Intensity > 1000"));
+    QVERIFY(store.encoder()->kind() == WordKind::Class);
+    QCOMPARE(store.shown().name, intensity.name);
+    for (PointIndex i = 0; i < cloud->size(); ++i)
+        QCOMPARE(wordOf(i), changed.contains(i) ? 40u : std::uint32_t(classes.number(i)));
+    for (PointIndex i = 0; i < cloud->size(); ++i)
+        QCOMPARE(unsigned(store.classes()[store.order().slotOf(i)]), unsigned(classes.number(i)));
+    store.setPreview(nullptr);
+    for (PointIndex i = 0; i < cloud->size(); ++i) QCOMPARE(wordOf(i), before[i]);
+
+    // another attribute: marks, until it is the one that is shown; the selection waits beneath
+    store.show(classes);
+    const auto brighter = preview("Intensity = 7 if Classification == 2");
+    store.setPreview(brighter);
+    for (PointIndex i = 0; i < cloud->size(); ++i)
+        QCOMPARE(wordOf(i) >> 31, brighter->points->contains(i) ? 1u : 0u);
+    PointSet some(cloud->size());
+    some.insert(5);
+    store.setSelection(std::make_shared<PointSet>(some));
+    store.show(intensity);
+    for (PointIndex i = 0; i < cloud->size(); i += 7) {
+        const double value = double(std::bit_cast<float>(wordOf(i))) + store.encoder()->bias();
+        QCOMPARE(value, classes.number(i) == 2 ? 7.0 : intensity.number(i));
+    }
+    store.setPreview(nullptr);
+    for (PointIndex i = 0; i < cloud->size(); ++i) QCOMPARE(wordOf(i) & 1u, some.contains(i) ? 1u : 0u);
 }
 
 QTEST_APPLESS_MAIN(PointStoreTest)

@@ -25,15 +25,12 @@
 #include "ui/select/SelectTools.h"
 #include "ui/select/Selection.h"
 
-#include <QCheckBox>
 #include <QDir>
 #include <QFile>
 #include <QFileInfo>
 #include <QInputDialog>
-#include <QLineEdit>
 #include <QListWidget>
 #include <QMenu>
-#include <QPushButton>
 #include <QWheelEvent>
 
 #include <cmath>
@@ -557,44 +554,6 @@ private slots:
         b.window->workspace().extract(*other, first, part);
         QVERIFY(b.done());
         QCOMPARE(QFileInfo(part).size(), size);
-    }
-
-    void rulesSelectPreviewAndApply()
-    {
-        NEED_AUTZEN();
-        Bench b;
-        QVERIFY(b.begin(Tool::None));
-        EditDock& dock = b.window->editDock();
-        dock.show();
-        dock.raise();
-        const auto holds = [&](const std::string& text) {
-            Progress progress;
-            return *expression::select(*b.document->cloud(), expression::Condition(text, *b.document->cloud()),
-                                       progress);
-        };
-        const PointSet expected = holds("Z > 420 and Classification == 1");
-        dock.rule().setFocus();
-        QTest::keyClicks(&dock.rule(), QStringLiteral("Z > 420 and Classification == 1"));
-        QTest::mouseClick(&dock.selectButton(), Qt::LeftButton);
-        QVERIFY(b.done());
-        QVERIFY(b.points() && *b.points() == expected);
-
-        dock.rule().clear();
-        QTest::keyClicks(&dock.rule(), QStringLiteral("Classification = 5 if Z > 425"));
-        const PointSet high = holds("Z > 425 and Classification != 5");
-        QTest::mouseClick(&dock.previewButton(), Qt::LeftButton);
-        QVERIFY(waitFor([&] { return dock.resultText().contains(QLatin1String("would change")); }) && b.done());
-        QVERIFY(b.points() && *b.points() == high);
-        QVERIFY(!b.window->isWindowModified());
-        QVERIFY(b.runEdit([&] { QTest::mouseClick(&dock.applyButton(), Qt::LeftButton); }));
-        const Attribute classes = *b.document->findAttribute(QStringLiteral("Classification"));
-        high.forEach([&](PointIndex i) { QCOMPARE(classes.number(i), 5.0); });
-        QCOMPARE(holds("Classification == 5").count(), high.count());
-
-        dock.rule().clear();
-        QTest::keyClicks(&dock.rule(), QStringLiteral("Clasification = 5"));
-        QTest::mouseClick(&dock.applyButton(), Qt::LeftButton);
-        QVERIFY(waitFor([&] { return dock.resultText().contains(QLatin1String("did you mean Classification?")); }));
     }
 };
 

@@ -4,12 +4,12 @@
 #include "core/Error.h"
 #include "core/expression/Rule.h"
 #include "core/expression/Syntax.h"
-#include "core/task/Progress.h"
 #include "render/color/ColorMap.h"
 #include "ui/Document.h"
 #include "ui/Text.h"
 #include "ui/Workspace.h"
 #include "ui/docks/Swatch.h"
+#include "ui/select/RulePreview.h"
 #include "ui/select/Selection.h"
 #include "ui/style/Theme.h"
 #include "ui/style/Widgets.h"
@@ -21,9 +21,8 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
+#include <QShortcut>
 #include <QVBoxLayout>
-
-#include <shared_mutex>
 
 namespace punctum::ui
 {
@@ -33,32 +32,17 @@ namespace
 
 constexpr int kAnyClass = -1;
 
-/// "1,000 of 1 Unclassified, 204 of 5 High Vegetation": the classes of the set's points, the most frequent first.
-QString classesText(const PointCloud& cloud, const PointSet& points)
-{
-    constexpr std::size_t kMost = 4;
-    std::array<std::uint64_t, 256> counts{};
-    {
-        const std::shared_lock lock(cloud.mutex());
-        const Attribute* const classes = cloud.findAttribute("Classification");
-        if (classes == nullptr) return {};
-        points.forEach([&](PointIndex i) { ++counts[std::size_t(classes->number(i)) & 255u]; });
-    }
-    std::vector<unsigned> codes;
-    for (unsigned code = 0; code < counts.size(); ++code)
-        if (counts[code] != 0) codes.push_back(code);
-    std::sort(codes.begin(), codes.end(), [&](unsigned a, unsigned b) { return counts[a] > counts[b]; });
-    QStringList parts;
-    for (std::size_t k = 0; k < std::min(kMost, codes.size()); ++k)
-        parts << EditDock::tr("%1 of %2").arg(countText(counts[codes[k]]), classText(codes[k]));
-    if (codes.size() > kMost) parts << EditDock::tr("others");
-    return parts.join(QStringLiteral(", "));
-}
-
 }  // namespace
 
-EditDock::EditDock(Workspace& workspace, Selection& selection, QWidget* parent)
-    : QDockWidget(tr("Edit"), parent), m_workspace(workspace), m_selection(selection), m_result(new QLabel)
+EditDock::EditDock(Workspace& workspace, Selection& selection, ViewRenderer& renderer, const ViewSettings& settings,
+                   QWidget* parent)
+    : QDockWidget(tr("Edit"), parent),
+      m_workspace(workspace),
+      m_selection(selection),
+      m_result(new QLabel),
+      m_preview(new RulePreview(workspace, renderer, settings, this)),
+      m_endPreview(new QPushButton(tr("End preview"))),
+      m_escape(new QShortcut(Qt::Key_Escape, parent ? parent : this))
 {
     setObjectName(QStringLiteral("edit"));
     m_result->setWordWrap(true);
@@ -71,10 +55,25 @@ EditDock::EditDock(Workspace& workspace, Selection& selection, QWidget* parent)
     column->addWidget(makeRulePart());
     column->addWidget(makeNeighborPart());
     column->addWidget(m_result);
+    column->addWidget(m_endPreview);
     column->addStretch(1);
     setWidget(scrollColumn(content));
     setMinimumWidth(250);
-    connect(&m_selection, &Selection::changed, this, &EditDock::takeState);
+    connect(&m_selection, &Selection::changed, this, [this] {
+        takeState();
+        // a new selection is to be seen, and it may be what the rule is for
+        if (m_selection.points(m_document) != m_previewed) m_preview->end();
+    });
+    m_endPreview->setToolTip(tr("Show the points as they are (Escape)"));
+    connect(m_endPreview, &QPushButton::clicked, m_preview, &RulePreview::end);
+    connect(m_escape, &QShortcut::activated, m_preview, &RulePreview::end);
+    connect(m_preview, &RulePreview::told, this, &EditDock::say);
+    connect(m_preview, &RulePreview::toggled, this, &EditDock::followPreview);
+    // what a view shows that nobody can tell from the truth must not outlive the panel that says so
+    connect(this, &QDockWidget::visibilityChanged, m_preview, [this](bool visible) {
+        if (!visible) m_preview->end();
+    });
+    followPreview(false);
     fillClasses();
     takeState();
 }
@@ -88,26 +87,32 @@ QWidget* EditDock::makeClassPart()
     grid->setColumnStretch(1, 1);
     m_from = new QComboBox;
     m_to = new QComboBox;
+    m_previewClass = new QPushButton(tr("Preview"));
     m_setClass = new QPushButton(tr("Set class"));
     m_setClass->setProperty("primary", true);
     for (QComboBox* box : {m_from, m_to}) {
         box->setMaxVisibleItems(18);
         box->setMinimumContentsLength(12);
         box->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+        connect(box, &QComboBox::currentIndexChanged, m_preview, &RulePreview::end);
     }
     m_from->setAccessibleName(tr("Class that changes"));
     m_to->setAccessibleName(tr("Class that points get"));
+    m_previewClass->setToolTip(tr("Show the points in their new classes, and count them; nothing changes"));
     m_setClass->setToolTip(tr("Give the selected points this class; the keys 0 to 9 do it at once"));
     grid->addWidget(heading(tr("Class of the selected points")), 0, 0, 1, 2);
     grid->addWidget(dimLabel(tr("From")), 1, 0);
     grid->addWidget(m_from, 1, 1);
     grid->addWidget(dimLabel(tr("To")), 2, 0);
     grid->addWidget(m_to, 2, 1);
-    grid->addWidget(m_setClass, 3, 0, 1, 2);
-    connect(m_setClass, &QPushButton::clicked, this, [this] {
-        const int from = m_from->currentData().toInt();
-        setClass(m_to->currentData().toUInt(), from == kAnyClass ? std::nullopt : std::optional<unsigned>(from));
-    });
+    auto* row = new QHBoxLayout;
+    row->setSpacing(6);
+    row->addWidget(m_previewClass, 1);
+    row->addWidget(m_setClass, 1);
+    grid->addLayout(row, 3, 0, 1, 2);
+    connect(m_previewClass, &QPushButton::clicked, this, &EditDock::previewClass);
+    connect(m_setClass, &QPushButton::clicked, this,
+            [this] { setClass(m_to->currentData().toUInt(), chosenFrom()); });
     return part;
 }
 
@@ -126,22 +131,25 @@ QWidget* EditDock::makeRulePart()
     m_rule->setClearButtonEnabled(true);
     m_selectedOnly = new QCheckBox(tr("Selected points only"));
     m_select = new QPushButton(tr("Select"));
-    m_preview = new QPushButton(tr("Preview"));
+    m_previewRule = new QPushButton(tr("Preview"));
     m_apply = new QPushButton(tr("Apply"));
     m_select->setToolTip(tr("Select the points for which the condition holds"));
-    m_preview->setToolTip(tr("Select and count the points that the rule would change; nothing changes"));
+    m_previewRule->setToolTip(
+        tr("Show how the points would look, and count those that would change; nothing changes"));
     m_apply->setToolTip(tr("Change the points; it can be undone"));
     auto* row = new QHBoxLayout;
     row->setSpacing(6);
-    for (QPushButton* button : {m_select, m_preview, m_apply}) row->addWidget(button, 1);
+    for (QPushButton* button : {m_select, m_previewRule, m_apply}) row->addWidget(button, 1);
     column->addWidget(heading(tr("Rule")));
     column->addWidget(m_rule);
     column->addWidget(m_selectedOnly);
     column->addLayout(row);
     connect(m_select, &QPushButton::clicked, this, &EditDock::selectByRule);
-    connect(m_preview, &QPushButton::clicked, this, &EditDock::previewRule);
+    connect(m_previewRule, &QPushButton::clicked, this, &EditDock::previewRule);
     connect(m_apply, &QPushButton::clicked, this, &EditDock::applyRule);
     connect(m_rule, &QLineEdit::returnPressed, this, &EditDock::previewRule);
+    connect(m_rule, &QLineEdit::textChanged, m_preview, &RulePreview::end);
+    connect(m_selectedOnly, &QCheckBox::toggled, m_preview, &RulePreview::end);
     return part;
 }
 
@@ -196,9 +204,10 @@ void EditDock::fillClasses()
 void EditDock::takeState()
 {
     const bool some = ready() && m_selection.count() > 0;
+    m_previewClass->setEnabled(some);
     m_setClass->setEnabled(some);
     for (QPushButton* button : m_neighbors) button->setEnabled(some);
-    for (QPushButton* button : {m_select, m_preview, m_apply}) button->setEnabled(ready());
+    for (QPushButton* button : {m_select, m_previewRule, m_apply}) button->setEnabled(ready());
     m_selectedOnly->setEnabled(some);
     const QString unit = m_document ? m_document->coordinateUnit() : QString();
     m_distance->setSuffix(unit.isEmpty() ? QString() : QLatin1Char(' ') + unit);
@@ -216,11 +225,19 @@ void EditDock::say(const QString& text)
 
 void EditDock::setClass(unsigned to, std::optional<unsigned> from)
 {
-    const auto points = selected();
-    if (!points) return;
-    QString rule = QStringLiteral("Classification = %1").arg(to);
-    if (from) rule += QStringLiteral(" if Classification == %1").arg(*from);
-    runRule(rule, points, tr("Set class %1").arg(classText(to)));
+    if (const auto points = selected()) runRule(classRule(to, from), points, tr("Set class %1").arg(classText(to)));
+}
+
+QString EditDock::classRule(unsigned to, std::optional<unsigned> from) const
+{
+    const QString rule = QStringLiteral("Classification = %1").arg(to);
+    return from ? rule + QStringLiteral(" if Classification == %1").arg(*from) : rule;
+}
+
+std::optional<unsigned> EditDock::chosenFrom() const
+{
+    const int from = m_from->currentData().toInt();
+    return from == kAnyClass ? std::nullopt : std::optional<unsigned>(from);
 }
 
 void EditDock::setWithheld(bool withheld)
@@ -283,6 +300,7 @@ void EditDock::run(const Recipe& recipe, const QString& title)
     m_job = m_workspace.edit(
         *m_document, title, recipe, [this, title](const JobInfo& info, const Workspace::EditOutcome& outcome) {
             m_job = 0;
+            m_preview->end();
             takeState();
             if (info.state == JobState::Failed) say(toQString(info.error));
             if (info.state == JobState::Cancelled) say(tr("Cancelled, nothing changed."));
@@ -295,34 +313,29 @@ void EditDock::run(const Recipe& recipe, const QString& title)
 
 void EditDock::previewRule()
 {
-    const auto rule = parsed(m_rule->text());
+    preview(m_rule->text(), ruleScope());
+}
+
+void EditDock::previewClass()
+{
+    if (const auto points = selected()) preview(classRule(m_to->currentData().toUInt(), chosenFrom()), points);
+}
+
+void EditDock::preview(const QString& text, std::shared_ptr<const PointSet> within)
+{
+    m_preview->end();
+    const auto rule = parsed(text);
     if (!ready() || !rule) return;
-    struct Found {
-        std::shared_ptr<const PointSet> points;
-        PointIndex count = 0;
-        QString classes;
-    };
-    const auto found = std::make_shared<Found>();
-    m_job = m_workspace.startJob(
-        tr("Preview of the rule"),
-        [rule = *rule, cloud = m_document->cloud(), within = ruleScope(), found](Progress& progress) {
-            const auto command = rule.run(*cloud, within.get(), progress);
-            if (!command) return;
-            found->points = command->points();
-            found->count = command->changedPoints();
-            if (found->points) found->classes = classesText(*cloud, *found->points);
-        },
-        [this, found](const JobInfo& info) {
-            m_job = 0;
-            takeState();
-            if (info.state == JobState::Failed) return say(toQString(info.error));
-            if (info.state != JobState::Finished) return;
-            if (found->count == 0) return say(tr("No point would change."));
-            m_selection.show(found->points);
-            say(tr("%1 would change: %2.").arg(pointsText(found->count), found->classes));
-        },
-        true);
-    takeState();
+    say({});
+    m_previewed = m_selection.points(m_document);
+    m_preview->begin(*m_document, *rule, std::move(within));
+}
+
+void EditDock::followPreview(bool on)
+{
+    m_endPreview->setVisible(on);
+    m_escape->setEnabled(on);
+    if (!on) say({});
 }
 
 void EditDock::selectByRule()
@@ -330,12 +343,10 @@ void EditDock::selectByRule()
     QString text = m_rule->text().trimmed();
     try {
         // of a rule, the points that its first condition names
-        const expression::Assignment rule = expression::parseAssignment(text.toStdString());
-        if (rule.cases.size() == 1 && !rule.cases.front().condition.empty()) {
-            const auto bytes = text.toUtf8();
-            const qsizetype at = bytes.indexOf(" if ");
-            if (at >= 0) text = QString::fromUtf8(bytes.mid(at + 4));
-        }
+        const std::string bytes = text.toStdString();
+        const expression::Assignment rule = expression::parseAssignment(bytes);
+        if (const auto& first = rule.cases.front(); rule.cases.size() == 1 && !first.condition.empty())
+            text = toQString(bytes.substr(first.conditionByte));
     } catch (const Error&) {
         // a condition, then; it tells itself what is wrong with it
     }

@@ -18,21 +18,26 @@ class QDoubleSpinBox;
 class QLabel;
 class QLineEdit;
 class QPushButton;
+class QShortcut;
 
 namespace punctum::ui
 {
 
 class Document;
+class RulePreview;
 class Selection;
+class ViewRenderer;
+class ViewSettings;
 class Workspace;
 
-/// Changes what is selected: its class, or any attribute by a rule, which can be looked at first; and selects by
-/// rule and by neighbors. Each change is one command that can be undone. GUI thread only.
+/// Changes what is selected: its class, or any attribute by a rule, which can be looked at first in color; and
+/// selects by rule and by neighbors. Each change is one command that can be undone. GUI thread only.
 class EditDock final : public QDockWidget
 {
     Q_OBJECT
 public:
-    EditDock(Workspace& workspace, Selection& selection, QWidget* parent = nullptr);
+    EditDock(Workspace& workspace, Selection& selection, ViewRenderer& renderer, const ViewSettings& settings,
+             QWidget* parent = nullptr);
 
     void setDocument(Document* document);
     /// Gives the selected points the class; those of class `from` alone, when it is given.
@@ -45,7 +50,11 @@ public:
     void restoreDeleted();
     QLineEdit& rule() noexcept { return *m_rule; }
     QCheckBox& selectedOnly() noexcept { return *m_selectedOnly; }
-    QPushButton& previewButton() noexcept { return *m_preview; }
+    QPushButton& previewButton() noexcept { return *m_previewRule; }
+    QPushButton& endPreviewButton() noexcept { return *m_endPreview; }
+    QPushButton& previewClassButton() noexcept { return *m_previewClass; }
+    QComboBox& fromClass() noexcept { return *m_from; }
+    QComboBox& toClass() noexcept { return *m_to; }
     QPushButton& applyButton() noexcept { return *m_apply; }
     QPushButton& selectButton() noexcept { return *m_select; }
     /// What the last action said.
@@ -58,6 +67,13 @@ private:
     void fillClasses();
     void applyRule();
     void previewRule();
+    void previewClass();
+    /// Of the class part: what turns one class of the selected points, or all, into another.
+    QString classRule(unsigned to, std::optional<unsigned> from) const;
+    /// The class that alone is to change; none: all.
+    std::optional<unsigned> chosenFrom() const;
+    void preview(const QString& rule, std::shared_ptr<const PointSet> within);
+    void followPreview(bool on);
     void selectByRule();
     void say(const QString& text);
     void takeState();
@@ -78,15 +94,20 @@ private:
     QPointer<Document> m_document;
     QComboBox* m_from;
     QComboBox* m_to;
+    QPushButton* m_previewClass;
     QPushButton* m_setClass;
     QLineEdit* m_rule;
     QCheckBox* m_selectedOnly;
     QPushButton* m_select;
-    QPushButton* m_preview;
+    QPushButton* m_previewRule;
     QPushButton* m_apply;
     QDoubleSpinBox* m_distance;
     std::array<QPushButton*, 3> m_neighbors{};
     QLabel* m_result;
+    RulePreview* m_preview;
+    std::shared_ptr<const PointSet> m_previewed;  ///< the selection when the preview began
+    QPushButton* m_endPreview;
+    QShortcut* m_escape;
     JobId m_job = 0;
 };
 
