@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "core/cloud/ClassNames.h"
 #include "core/expression/ExpressionError.h"
+#include "core/expression/Functions.h"
 #include "core/expression/Program.h"
+#include "core/expression/Words.h"
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
 
 namespace punctum::expression
 {
@@ -21,84 +25,41 @@ using Op = Node::Op;
 using Type = Node::Type;
 using Kind = Syntax::Kind;
 
-struct Function {
-    std::string_view name;
-    std::size_t arguments;
-    double (*call)(double, double);
-    bool integral = false;  ///< gives whole numbers
+struct Arithmetic {
+    std::string_view sign;
+    Op op;
 };
 
-/// Functions of numbers; abs, min, max, floor, ceil, round, trunc, clamp and exists know wide integers, too.
-constexpr auto kFunctions = std::to_array<Function>({
-    {"floor", 1, [](double a, double) { return std::floor(a); }, true},
-    {"ceil", 1, [](double a, double) { return std::ceil(a); }, true},
-    {"round", 1, [](double a, double) { return std::round(a); }, true},
-    {"trunc", 1, [](double a, double) { return std::trunc(a); }, true},
-    {"sign", 1, [](double a, double) { return a > 0   ? 1.0
-                                              : a < 0 ? -1.0
-                                                      : a; }, true},
-    {"sqrt", 1, [](double a, double) { return std::sqrt(a); }},
-    {"exp", 1, [](double a, double) { return std::exp(a); }},
-    {"log", 1, [](double a, double) { return std::log(a); }},
-    {"log10", 1, [](double a, double) { return std::log10(a); }},
-    {"sin", 1, [](double a, double) { return std::sin(a); }},
-    {"cos", 1, [](double a, double) { return std::cos(a); }},
-    {"tan", 1, [](double a, double) { return std::tan(a); }},
-    {"asin", 1, [](double a, double) { return std::asin(a); }},
-    {"acos", 1, [](double a, double) { return std::acos(a); }},
-    {"atan", 1, [](double a, double) { return std::atan(a); }},
-    {"atan2", 2, [](double a, double b) { return std::atan2(a, b); }},
-    {"hypot", 2, [](double a, double b) { return std::hypot(a, b); }},
-    {"degrees", 1, [](double a, double) { return a * (180.0 / std::numbers::pi); }},
-    {"radians", 1, [](double a, double) { return a * (std::numbers::pi / 180.0); }},
+constexpr auto kArithmetic = std::to_array<Arithmetic>({
+    {"+", Op::Add},
+    {"-", Op::Subtract},
+    {"*", Op::Multiply},
+    {"/", Op::Divide},
+    {"//", Op::FloorDivide},
+    {"%", Op::Modulo},
+    {"**", Op::Power},
 });
 
-constexpr std::array<std::string_view, 5> kOtherFunctions = {"abs", "min", "max", "clamp", "exists"};
+struct Comparison {
+    std::string_view sign;
+    Op op;
+    Op mirrored;  ///< the same with its sides exchanged
+};
 
-char small(char c)
-{
-    return char(std::tolower(static_cast<unsigned char>(c)));
-}
+constexpr auto kComparisons = std::to_array<Comparison>({
+    {"==", Op::Equal, Op::Equal},
+    {"!=", Op::Unequal, Op::Unequal},
+    {"<", Op::Less, Op::Greater},
+    {"<=", Op::LessEqual, Op::GreaterEqual},
+    {">", Op::Greater, Op::Less},
+    {">=", Op::GreaterEqual, Op::LessEqual},
+});
 
-bool sameWord(std::string_view a, std::string_view b)
+/// The row of the sign; the parser knows no others.
+template <typename Table>
+const auto& rowOf(const Table& table, std::string_view sign)
 {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return small(x) == small(y); });
-}
-
-/// How many letters have to be put in, left out or exchanged to make one word of the other (Levenshtein), letters
-/// small or large.
-std::size_t distance(std::string_view a, std::string_view b)
-{
-    std::vector<std::size_t> row(b.size() + 1);
-    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t diagonal = row[0];
-        row[0] = i + 1;
-        for (std::size_t j = 0; j < b.size(); ++j) {
-            const std::size_t exchanged = diagonal + (small(a[i]) != small(b[j]) ? 1 : 0);
-            diagonal = row[j + 1];
-            row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, exchanged});
-        }
-    }
-    return row.back();
-}
-
-/// "; did you mean NormalZ?", or nothing when no name is similar.
-template <typename Names>
-std::string suggestion(std::string_view word, const Names& names)
-{
-    constexpr std::size_t kLongest = 64;  // of a word that somebody may have mistyped
-    if (word.size() > kLongest) return ".";
-    std::string best;
-    std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
-    for (const auto& name : names) {
-        if (name.size() > kLongest) continue;
-        if (const std::size_t d = distance(word, name); d < least) {
-            least = d;
-            best = name;
-        }
-    }
-    return best.empty() ? std::string(".") : "; did you mean " + quotedName(best) + "?";
+    return *std::find_if(table.begin(), table.end(), [&](const auto& row) { return row.sign == sign; });
 }
 
 bool isWide(const Attribute& a)
@@ -146,34 +107,37 @@ Node folded(Node node)
     result.type = node.type;
     result.byte = node.byte;
     result.integral = node.integral;
-    if (node.type == Type::Wide) {
-        std::vector<Int128> out(kBlockPoints);
-        evaluator.wide(node, {0, 1}, out.data());
-        result.wide = out[0];
-    } else {
-        std::vector<double> out(kBlockPoints);
-        evaluator.number(node, {0, 1}, out.data());
-        result.number = out[0];
-    }
+    const auto evaluate = [&](auto& value) {
+        std::vector<std::decay_t<decltype(value)>> out(kBlockPoints);
+        evaluator.value(node, {0, 1}, out.data());
+        value = out[0];
+    };
+    if (node.type == Type::Wide)
+        evaluate(result.wide);
+    else
+        evaluate(result.number);
     return result;
+}
+
+Node computed(Op op, Type type, std::size_t byte, bool integral, std::vector<Node> children)
+{
+    Node node = makeNode(op, type, byte, std::move(children));
+    node.integral = integral;
+    return folded(std::move(node));
 }
 
 Node toNumber(Node node)
 {
     if (node.type != Type::Wide) return node;
     const std::size_t byte = node.byte;
-    Node made = makeNode(Op::ToNumber, Type::Number, byte, list(std::move(node)));
-    made.integral = true;
-    return folded(std::move(made));
+    return computed(Op::ToNumber, Type::Number, byte, true, list(std::move(node)));
 }
 
 Node toWide(Node node)
 {
     if (node.type == Type::Wide) return node;
     const std::size_t byte = node.byte;
-    Node made = makeNode(Op::ToWide, Type::Wide, byte, list(std::move(node)));
-    made.integral = true;
-    return folded(std::move(made));
+    return computed(Op::ToWide, Type::Wide, byte, true, list(std::move(node)));
 }
 
 class Binder
@@ -215,14 +179,8 @@ private:
                 return name(s, classes);
             case Kind::Call:
                 return call(s);
-            case Kind::Negate: {
-                Node child = value(s.children[0], false);
-                const Type type = child.type;
-                const bool integral = child.integral;
-                Node node = makeNode(Op::Negate, type, s.byte, list(std::move(child)));
-                node.integral = integral;
-                return folded(std::move(node));
-            }
+            case Kind::Negate:
+                return same(Op::Negate, s.byte, value(s.children[0], false));
             case Kind::Arithmetic:
                 return arithmetic(s);
             case Kind::Compare:
@@ -299,13 +257,7 @@ private:
     Node arithmetic(const Syntax& s)
     {
         Node a = value(s.children[0], false), b = value(s.children[1], false);
-        Op op = Op::Add;
-        if (s.text == "-") op = Op::Subtract;
-        if (s.text == "*") op = Op::Multiply;
-        if (s.text == "/") op = Op::Divide;
-        if (s.text == "//") op = Op::FloorDivide;
-        if (s.text == "%") op = Op::Modulo;
-        if (s.text == "**") op = Op::Power;
+        const Op op = rowOf(kArithmetic, s.text).op;
         const bool real = op == Op::Divide || op == Op::Power;
         if (real) {
             a = toNumber(std::move(a));
@@ -315,9 +267,7 @@ private:
         }
         const Type type = a.type;
         const bool integral = op == Op::FloorDivide || (!real && a.integral && b.integral);
-        Node node = makeNode(op, type, s.byte, list(std::move(a), std::move(b)));
-        node.integral = integral;
-        return folded(std::move(node));
+        return computed(op, type, s.byte, integral, list(std::move(a), std::move(b)));
     }
 
     bool isClass(const Syntax& s) const
@@ -330,22 +280,11 @@ private:
     {
         const bool classes = isClass(s.children[0]) || isClass(s.children[1]);
         Node a = value(s.children[0], classes), b = value(s.children[1], classes);
-        Op op = Op::Equal;
-        if (s.text == "!=") op = Op::Unequal;
-        if (s.text == "<") op = Op::Less;
-        if (s.text == "<=") op = Op::LessEqual;
-        if (s.text == ">") op = Op::Greater;
-        if (s.text == ">=") op = Op::GreaterEqual;
+        Op op = rowOf(kComparisons, s.text).op;
+        Op other = rowOf(kComparisons, s.text).mirrored;
         const auto mirrored = [&] {
             std::swap(a, b);
-            if (op == Op::Less)
-                op = Op::Greater;
-            else if (op == Op::LessEqual)
-                op = Op::GreaterEqual;
-            else if (op == Op::Greater)
-                op = Op::Less;
-            else if (op == Op::GreaterEqual)
-                op = Op::LessEqual;
+            std::swap(op, other);
         };
         if (a.op == Op::Constant && b.op == Op::Load) mirrored();
         if (const Attribute* const scaled = scaledLoad(a); scaled != nullptr && b.op == Op::Constant) {
@@ -410,11 +349,7 @@ private:
             return;
         }
         const std::size_t byte = node.byte;
-        Node whole = makeNode(Op::Function, Type::Number, byte, list(std::move(node)));
-        whole.function =
-            low ? +[](double a, double) { return std::ceil(a); } : +[](double a, double) { return std::floor(a); };
-        whole.integral = true;
-        node = toWide(folded(std::move(whole)));
+        node = toWide(applied(*findFunction(low ? "ceil" : "floor"), byte, list(std::move(node))));
     }
 
     /// The attribute when the node is one of scaled integers, whose steps are taken for what is displayed.
@@ -438,7 +373,7 @@ private:
     Node call(const Syntax& s)
     {
         std::string key;
-        for (const char c : s.text) key += small(c);
+        for (const char c : s.text) key += smallLetter(c);
         const auto demand = [&](std::size_t least, std::size_t most) {
             const std::size_t n = s.children.size();
             if (n >= least && n <= most) return;
@@ -469,20 +404,23 @@ private:
             Node node = extreme(Op::Maximum, s.byte, value(s.children[0], false), value(s.children[1], false));
             return extreme(Op::Minimum, s.byte, std::move(node), value(s.children[2], false));
         }
-        const auto it = std::find_if(kFunctions.begin(), kFunctions.end(), [&](auto& f) { return f.name == key; });
-        if (it == kFunctions.end()) {
-            std::vector<std::string> names(kOtherFunctions.begin(), kOtherFunctions.end());
-            for (const Function& f : kFunctions) names.emplace_back(f.name);
-            fail(s.byte, "there is no function \"" + s.text + "\"" + suggestion(s.text, names));
-        }
-        demand(it->arguments, it->arguments);
+        const Function* const function = findFunction(key);
+        if (function == nullptr)
+            fail(s.byte, "there is no function \"" + s.text + "\"" + suggestion(s.text, functionNames()));
+        demand(function->arguments, function->arguments);
         Node first = value(s.children[0], false);
-        if (it->integral && first.integral && key != "sign") return first;  // floor of a whole number
-        Node node = makeNode(Op::Function, Type::Number, s.byte, list(toNumber(std::move(first))));
+        if (function->integral && first.integral && key != "sign") return first;  // floor of a whole number
+        std::vector<Node> arguments = list(toNumber(std::move(first)));
         for (std::size_t k = 1; k < s.children.size(); ++k)
-            node.children.push_back(toNumber(value(s.children[k], false)));
-        node.function = it->call;
-        node.integral = it->integral;
+            arguments.push_back(toNumber(value(s.children[k], false)));
+        return applied(*function, s.byte, std::move(arguments));
+    }
+
+    static Node applied(const Function& function, std::size_t byte, std::vector<Node> arguments)
+    {
+        Node node = makeNode(Op::Function, Type::Number, byte, std::move(arguments));
+        node.function = function.call;
+        node.integral = function.integral;
         return folded(std::move(node));
     }
 
@@ -490,9 +428,7 @@ private:
     {
         const Type type = child.type;
         const bool integral = child.integral;
-        Node node = makeNode(op, type, byte, list(std::move(child)));
-        node.integral = integral;
-        return folded(std::move(node));
+        return computed(op, type, byte, integral, list(std::move(child)));
     }
 
     static Node extreme(Op op, std::size_t byte, Node a, Node b)
@@ -500,9 +436,7 @@ private:
         alike(a, b);
         const Type type = a.type;
         const bool integral = a.integral && b.integral;
-        Node node = makeNode(op, type, byte, list(std::move(a), std::move(b)));
-        node.integral = integral;
-        return folded(std::move(node));
+        return computed(op, type, byte, integral, list(std::move(a), std::move(b)));
     }
 
     static constexpr std::size_t kMostArguments = 100;

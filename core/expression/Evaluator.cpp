@@ -123,6 +123,25 @@ bool isConstant(const Node& node)
     return node.op == Op::Constant;
 }
 
+template <typename T>
+T constantOf(const Node& node)
+{
+    if constexpr (std::is_same_v<T, Int128>)
+        return node.wide;
+    else
+        return node.number;
+}
+
+bool exists(double v)
+{
+    return v == v;
+}
+
+bool exists(Int128 v)
+{
+    return v != kNone;
+}
+
 }  // namespace
 
 /// Memory of the intermediate values, used again and again.
@@ -176,7 +195,18 @@ Evaluator::Evaluator(const std::vector<Attribute>& attributes)
 
 Evaluator::~Evaluator() = default;
 
-void Evaluator::number(const Node& node, PointRange points, double* out)
+template <typename T>
+void Evaluator::choose(const Node& node, PointRange points, T* out)
+{
+    value(node.children[0], points, out);
+    const Block<std::uint8_t> decides(*m_blocks);
+    condition(node.children[1], points, decides.get());
+    const Block<T> other(*m_blocks);
+    value(node.children[2], points, other.get());
+    for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = decides.get()[k] ? out[k] : other.get()[k];
+}
+
+void Evaluator::value(const Node& node, PointRange points, double* out)
 {
     switch (node.op) {
         case Op::Constant:
@@ -193,19 +223,12 @@ void Evaluator::number(const Node& node, PointRange points, double* out)
         }
         case Op::ToNumber: {
             const Block<Int128> child(*m_blocks);
-            wide(node.children[0], points, child.get());
+            value(node.children[0], points, child.get());
             for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = toNumber(child.get()[k]);
             return;
         }
-        case Op::Choose: {
-            number(node.children[0], points, out);
-            const Block<std::uint8_t> decides(*m_blocks);
-            condition(node.children[1], points, decides.get());
-            const Block<double> other(*m_blocks);
-            number(node.children[2], points, other.get());
-            for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = decides.get()[k] ? out[k] : other.get()[k];
-            return;
-        }
+        case Op::Choose:
+            return choose(node, points, out);
         default:
             arithmetic(node, points, out);
     }
@@ -213,7 +236,7 @@ void Evaluator::number(const Node& node, PointRange points, double* out)
 
 void Evaluator::arithmetic(const Node& node, PointRange points, double* out)
 {
-    number(node.children[0], points, out);
+    value(node.children[0], points, out);
     if (node.children.size() == 1) {
         if (node.op == Op::Negate)
             for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = -out[k];
@@ -225,7 +248,7 @@ void Evaluator::arithmetic(const Node& node, PointRange points, double* out)
     }
     const Block<double> block(*m_blocks);
     double* const other = block.get();
-    number(node.children[1], points, other);
+    value(node.children[1], points, other);
     switch (node.op) {
         case Op::Add:
             return combine(out, other, [](double a, double b) { return a + b; });
@@ -250,7 +273,7 @@ void Evaluator::arithmetic(const Node& node, PointRange points, double* out)
     }
 }
 
-void Evaluator::wide(const Node& node, PointRange points, Int128* out)
+void Evaluator::value(const Node& node, PointRange points, Int128* out)
 {
     switch (node.op) {
         case Op::Constant:
@@ -264,31 +287,23 @@ void Evaluator::wide(const Node& node, PointRange points, Int128* out)
         }
         case Op::ToWide: {
             const Block<double> child(*m_blocks);
-            number(node.children[0], points, child.get());
+            value(node.children[0], points, child.get());
             for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = toWideInteger(child.get()[k]);
             return;
         }
-        case Op::Choose: {
-            wide(node.children[0], points, out);
-            const Block<std::uint8_t> decides(*m_blocks);
-            condition(node.children[1], points, decides.get());
-            const Block<Int128> other(*m_blocks);
-            wide(node.children[2], points, other.get());
-            for (std::size_t k = 0; k < kBlockPoints; ++k)
-                if (!decides.get()[k]) out[k] = other.get()[k];
-            return;
-        }
+        case Op::Choose:
+            return choose(node, points, out);
         default:
             break;
     }
-    wide(node.children[0], points, out);
+    value(node.children[0], points, out);
     if (node.children.size() == 1) {
         for (std::size_t k = 0; k < kBlockPoints; ++k)
             if (out[k] != kNone && (node.op == Op::Negate || out[k] < 0)) out[k] = -out[k];
         return;
     }
     const Block<Int128> block(*m_blocks);
-    wide(node.children[1], points, block.get());
+    value(node.children[1], points, block.get());
     combine(out, block.get(), [op = node.op](Int128 a, Int128 b) { return computed(op, a, b); });
 }
 
@@ -297,7 +312,7 @@ void Evaluator::compare(const Node& node, PointRange points, std::uint8_t* out)
     const Node &left = node.children[0], &right = node.children[1];
     if (left.type == Type::Number) {
         const Block<double> a(*m_blocks);
-        number(left, points, a.get());
+        value(left, points, a.get());
         if (isConstant(right)) {
             withComparison(node.op, [&](auto is) {
                 const double* const values = a.get();
@@ -306,17 +321,17 @@ void Evaluator::compare(const Node& node, PointRange points, std::uint8_t* out)
             return;
         }
         const Block<double> b(*m_blocks);
-        number(right, points, b.get());
+        value(right, points, b.get());
         withComparison(node.op, [&](auto is) { compareAll(a.get(), b.get(), out, is); });
         return;
     }
     // none is like NaN: it differs from everything, and no other comparison with it holds
     const auto none = std::uint8_t(node.op == Op::Unequal);
     const Block<Int128> a(*m_blocks);
-    wide(left, points, a.get());
+    value(left, points, a.get());
     if (right.type == Type::Wide) {
         const Block<Int128> b(*m_blocks);
-        wide(right, points, b.get());
+        value(right, points, b.get());
         withComparison(node.op, [&](auto is) {
             compareAll(a.get(), b.get(), out, [=](Int128 x, Int128 y) {
                 return x == kNone || y == kNone ? none : std::uint8_t(is(x, y));
@@ -325,7 +340,7 @@ void Evaluator::compare(const Node& node, PointRange points, std::uint8_t* out)
         return;
     }
     const Block<double> b(*m_blocks);
-    number(right, points, b.get());
+    value(right, points, b.get());
     withComparison(node.op, [&](auto is) {
         for (std::size_t k = 0; k < kBlockPoints; ++k) {
             const Int128 x = a.get()[k];
@@ -335,43 +350,42 @@ void Evaluator::compare(const Node& node, PointRange points, std::uint8_t* out)
     });
 }
 
+template <typename T>
 void Evaluator::within(const Node& node, PointRange points, std::uint8_t* out)
 {
     std::fill_n(out, kBlockPoints, std::uint8_t(0));
-    const auto ranges = [&](auto zero, auto evaluate, auto constant) {
-        using T = decltype(zero);
-        const Block<T> subject(*m_blocks), low(*m_blocks), high(*m_blocks);
-        const T* const values = subject.get();
-        evaluate(node.children[0], subject.get());
-        for (std::size_t c = 1; c + 1 < node.children.size(); c += 2) {
-            const Node &from = node.children[c], &to = node.children[c + 1];
-            if (isConstant(from) && isConstant(to)) {
-                const T lo = constant(from), hi = constant(to);
-                for (std::size_t k = 0; k < kBlockPoints; ++k)
-                    out[k] |= std::uint8_t(std::uint8_t(values[k] >= lo) & std::uint8_t(values[k] <= hi));
-                continue;
-            }
-            evaluate(from, low.get());
-            evaluate(to, high.get());
+    const Block<T> subject(*m_blocks), low(*m_blocks), high(*m_blocks);
+    const T* const values = subject.get();
+    value(node.children[0], points, subject.get());
+    for (std::size_t c = 1; c + 1 < node.children.size(); c += 2) {
+        const Node &from = node.children[c], &to = node.children[c + 1];
+        if (isConstant(from) && isConstant(to)) {
+            const T lo = constantOf<T>(from), hi = constantOf<T>(to);
             for (std::size_t k = 0; k < kBlockPoints; ++k)
-                out[k] |= std::uint8_t(std::uint8_t(values[k] >= low.get()[k]) &
-                                       std::uint8_t(values[k] <= high.get()[k]));
+                out[k] |= std::uint8_t(std::uint8_t(values[k] >= lo) & std::uint8_t(values[k] <= hi));
+            continue;
         }
-        if constexpr (std::is_same_v<T, Int128>)
-            for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] &= std::uint8_t(values[k] != kNone);
-    };
-    if (node.children[0].type == Type::Wide)
-        ranges(
-            Int128(0), [&](const Node& n, Int128* values) { wide(n, points, values); },
-            [](const Node& n) { return n.wide; });
-    else
-        ranges(
-            0.0, [&](const Node& n, double* values) { number(n, points, values); },
-            [](const Node& n) { return n.number; });
+        value(from, points, low.get());
+        value(to, points, high.get());
+        for (std::size_t k = 0; k < kBlockPoints; ++k)
+            out[k] |=
+                std::uint8_t(std::uint8_t(values[k] >= low.get()[k]) & std::uint8_t(values[k] <= high.get()[k]));
+    }
+    if constexpr (std::is_same_v<T, Int128>)
+        for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] &= std::uint8_t(exists(values[k]));
+}
+
+template <typename T>
+void Evaluator::existing(const Node& node, PointRange points, std::uint8_t* out)
+{
+    const Block<T> values(*m_blocks);
+    value(node.children[0], points, values.get());
+    for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = std::uint8_t(exists(values.get()[k]));
 }
 
 void Evaluator::condition(const Node& node, PointRange points, std::uint8_t* out)
 {
+    const bool wide = node.children[0].type == Type::Wide;
     switch (node.op) {
         case Op::And:
         case Op::Or: {
@@ -394,23 +408,10 @@ void Evaluator::condition(const Node& node, PointRange points, std::uint8_t* out
             condition(node.children[0], points, out);
             for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] ^= 1;
             return;
-        case Op::Exists: {
-            const Node& child = node.children[0];
-            if (child.type == Type::Wide) {
-                const Block<Int128> values(*m_blocks);
-                wide(child, points, values.get());
-                for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] = std::uint8_t(values.get()[k] != kNone);
-            } else {
-                const Block<double> values(*m_blocks);
-                number(child, points, values.get());
-                for (std::size_t k = 0; k < kBlockPoints; ++k)
-                    out[k] = std::uint8_t(values.get()[k] == values.get()[k]);
-            }
-            return;
-        }
+        case Op::Exists:
+            return wide ? existing<Int128>(node, points, out) : existing<double>(node, points, out);
         case Op::Within:
-            within(node, points, out);
-            return;
+            return wide ? within<Int128>(node, points, out) : within<double>(node, points, out);
         default:
             compare(node, points, out);
     }

@@ -96,8 +96,8 @@ public:
     Evaluator& operator=(const Evaluator&) = delete;
 
     /// Each fills kBlockPoints values; those from points.size() on mean nothing.
-    void number(const Node& node, PointRange points, double* out);
-    void wide(const Node& node, PointRange points, Int128* out);
+    void value(const Node& node, PointRange points, double* out);
+    void value(const Node& node, PointRange points, Int128* out);            ///< of Type::Wide
     void condition(const Node& node, PointRange points, std::uint8_t* out);  ///< 0 or 1
 
 private:
@@ -107,7 +107,12 @@ private:
 
     void arithmetic(const Node& node, PointRange points, double* out);
     void compare(const Node& node, PointRange points, std::uint8_t* out);
+    template <typename T>
+    void choose(const Node& node, PointRange points, T* out);
+    template <typename T>
     void within(const Node& node, PointRange points, std::uint8_t* out);
+    template <typename T>
+    void existing(const Node& node, PointRange points, std::uint8_t* out);
 
     const std::vector<Attribute>& m_attributes;
     std::unique_ptr<Blocks> m_blocks;

@@ -214,10 +214,10 @@ private:
     void assign(const Node& value, PointRange points)
     {
         if (value.type == Node::Type::Wide) {
-            m_evaluator.wide(value, points, m_wides.data());
+            m_evaluator.value(value, points, m_wides.data());
             take(value, points, m_wides.data());
         } else {
-            m_evaluator.number(value, points, m_numbers.data());
+            m_evaluator.value(value, points, m_numbers.data());
             take(value, points, m_numbers.data());
         }
     }
