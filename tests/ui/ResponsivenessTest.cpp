@@ -8,9 +8,12 @@
 #include "ui/Viewport.h"
 #include "ui/Workspace.h"
 #include "ui/docks/ProcessingDock.h"
+#include "ui/select/EditDock.h"
 
 #include <QElapsedTimer>
+#include <QLineEdit>
 #include <QMouseEvent>
+#include <QPushButton>
 #include <QTimer>
 
 #include <ctime>
@@ -176,6 +179,33 @@ private slots:
         QVERIFY(fps > 4.0);
         judge(watch);
         QVERIFY(m_test->settle());
+    }
+
+    void whilePreviewingARule()
+    {
+        Document* document = m_test->window->workspace().active();
+        QVERIFY(document);
+        EditDock& dock = m_test->window->editDock();
+        dock.show();
+        dock.raise();
+        const QString shown = m_test->frame()->attribute;
+        dock.rule().setText(QStringLiteral("Classification = 40 if Intensity % 3 == 1"));
+        const LoopWatch watch;
+        QElapsedTimer clock;
+        clock.start();
+        QTest::mouseClick(&dock.previewButton(), Qt::LeftButton);
+        QVERIFY(waitFor([&] { return dock.resultText().contains(QStringLiteral("would change")); }));
+        const qint64 told = clock.elapsed();
+        QVERIFY(waitFor([&] { return m_test->frame()->attribute == QStringLiteral("Classification"); }));
+        const qint64 seen = clock.elapsed();
+        QVERIFY(m_test->settle());
+        qInfo("preview: counted after %lld ms, visible points after %lld ms, all after %lld ms", told, seen,
+              clock.elapsed());
+        QTest::mouseClick(&dock.endPreviewButton(), Qt::LeftButton);
+        QVERIFY(m_test->settle(shown));
+        watch.report("previewing a rule");
+        judge(watch);
+        QVERIFY(!document->modified());
     }
 
     void whileSaving()
