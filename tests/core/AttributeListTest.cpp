@@ -10,6 +10,7 @@
 #include "core/las/Writer.h"
 #include "core/process/MakeCommand.h"
 #include "core/task/Progress.h"
+#include "tests/core/Complaint.h"
 #include "tests/core/LasFiles.h"
 #include "tests/core/LoadAndSave.h"
 #include "tests/core/MadeCloud.h"
@@ -149,12 +150,7 @@ private slots:
         Recipe recipe{step.toStdString(), {{"attribute", attribute.toStdString()}}, nullptr};
         if (!to.isEmpty()) recipe.values["to"] = to.toStdString();
         Progress progress;
-        QString said;
-        try {
-            makeCommand(recipe, *cloud, progress);
-        } catch (const Error& e) {
-            said = QString::fromUtf8(e.what());
-        }
+        const auto said = QString::fromStdString(complaint([&] { makeCommand(recipe, *cloud, progress); }));
         QVERIFY2(said.contains(sentence), qPrintable(said));
     }
 

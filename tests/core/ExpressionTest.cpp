@@ -7,6 +7,7 @@
 #include "core/expression/Syntax.h"
 #include "core/process/Step.h"
 #include "core/task/Progress.h"
+#include "tests/core/Complaint.h"
 #include "tests/core/MadeCloud.h"
 
 #include <QTest>
@@ -70,16 +71,6 @@ Made makeCloud()
         m.z[i] = std::int32_t(random() % 4001) - 2000;
     }
     return m;
-}
-
-std::string complaint(const std::function<void()>& work)
-{
-    try {
-        work();
-    } catch (const Error& e) {
-        return e.what();
-    }
-    return "no error";
 }
 
 PointSet found(const PointCloud& cloud, const std::string& text)

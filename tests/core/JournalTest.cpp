@@ -9,6 +9,7 @@
 #include "core/process/MakeCommand.h"
 #include "core/process/Replay.h"
 #include "core/task/Progress.h"
+#include "tests/core/Complaint.h"
 #include "tests/core/MadeCloud.h"
 
 #include <QProcess>
@@ -117,16 +118,6 @@ int editForever(const char* path, std::uint64_t seed)
     history.setJournal(Journal::create(path, keyOf(*cloud, progress), "made"));
     for (int k = 0;; ++k)
         if (follow(history, *cloud, editOf(seed, k)) && ::write(STDOUT_FILENO, ".", 1) != 1) return 1;
-}
-
-std::string complaint(const std::function<void()>& work)
-{
-    try {
-        work();
-    } catch (const Error& e) {
-        return e.what();
-    }
-    return "no error";
 }
 
 std::string bytesOf(const std::string& path)

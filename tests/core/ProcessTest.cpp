@@ -4,6 +4,7 @@
 #include "core/las/SourceFile.h"
 #include "core/process/Step.h"
 #include "core/task/Progress.h"
+#include "tests/core/Complaint.h"
 #include "tests/core/MadeCloud.h"
 
 #include <QTest>
@@ -18,16 +19,6 @@ using namespace punctum;
 
 namespace
 {
-
-std::string errorOf(const std::function<void()>& work)
-{
-    try {
-        work();
-    } catch (const Error& e) {
-        return e.what();
-    }
-    return "no error";
-}
 
 std::unique_ptr<Command> run(const PointCloud& cloud, const std::string& text)
 {
@@ -236,7 +227,7 @@ void ProcessTest::errorsSayWhatToDo()
 {
     QFETCH(QString, text);
     QFETCH(QString, sentence);
-    QCOMPARE(QString::fromStdString(errorOf([&] { parseStep(text.toStdString()); })), sentence);
+    QCOMPARE(QString::fromStdString(complaint([&] { parseStep(text.toStdString()); })), sentence);
 }
 
 void ProcessTest::reclassifyMatchesPlainLoop()
@@ -373,7 +364,7 @@ void ProcessTest::reclassifyRefuses()
 {
     const auto cloud = makeFrame(10, {}, true);
     const auto sentence = [&](const std::string& text) {
-        return QString::fromStdString(errorOf([&] { run(*cloud, text); }));
+        return QString::fromStdString(complaint([&] { run(*cloud, text); }));
     };
     QCOMPARE(sentence("reclassify attribute=Height min=0 max=1 class=2"),
              QString("reclassify: this cloud has no attribute \"Height\"."));
