@@ -20,14 +20,6 @@ namespace punctum::ui
 namespace
 {
 
-/// What was selected before (null: nothing) and what was found, put together.
-PointSet combined(const std::shared_ptr<const PointSet>& before, const PointSet& found, SelectMode mode)
-{
-    PointSet all = before && mode != SelectMode::Replace ? *before : PointSet(found.size());
-    combine(all, found, mode);
-    return all;
-}
-
 }  // namespace
 
 Selection::Selection(Workspace& workspace, ViewRenderer& renderer, const ViewSettings& settings,
@@ -94,8 +86,7 @@ PointIndex Selection::hiddenCount() const
     return state(m_workspace.active()).hidden;
 }
 
-std::function<Touchable(const PointCloud&, const PointSet& among, Progress&)> Selection::touchable(
-    const std::vector<ClipPlane>& cuts) const
+Selection::WhatTouchable Selection::touchable(const std::vector<ClipPlane>& cuts) const
 {
     Touchable touchable;
     for (unsigned code = 0; code < 256; ++code) touchable.classes[code] = !m_settings.classLocked(code);
@@ -147,8 +138,7 @@ void Selection::abandon()
     ++m_generation;
     if (m_job != 0) m_workspace.cancel(m_job);
     if (!m_base->known) return;  // nothing of it has been shown
-    if (Document* const document = active())
-        publish(*document, {m_base->points, m_base->points ? m_base->points->count() : 0, hiddenCount()});
+    if (Document* const document = active()) publish(*document, m_base->state);
 }
 
 void Selection::askShape(ScreenMask mask, bool live)
@@ -161,9 +151,8 @@ void Selection::askShape(ScreenMask mask, bool live)
     task.live = live;
     task.base = m_base;
     task.shot = m_shot;
-    task.work = [mask = std::move(mask), mode = m_drawMode, depth = m_depth, slab = m_slab,
-                 touchable = touchable(m_drawCuts)](const std::shared_ptr<const PointSet>& before,
-                                                    const ViewSnapshot& view, Progress& progress) {
+    const auto find = [mask = std::move(mask), depth = m_depth, slab = m_slab](const ViewSnapshot& view,
+                                                                               Progress& progress) {
         Region region;
         region.mask = mask;
         region.projection = view.projection;
@@ -172,26 +161,32 @@ void Selection::askShape(ScreenMask mask, bool live)
             region.furthest = view.pivotDepth + slab / 2;
         }
         PointSet found = pointsIn(region, *view.cloud, {}, progress);
-        keepTouchable(found, *view.cloud, touchable(*view.cloud, found, progress), progress);
         if (depth == Depth::Visible) combine(found, *view.visible, SelectMode::Intersect);
-        return combined(before, found, mode);
+        return found;
     };
+    task.work = putTogether(m_drawMode, touchable(m_drawCuts), find);
     ask(std::move(task));
+}
+
+Selection::Work Selection::putTogether(SelectMode mode, WhatTouchable touchable, Find find)
+{
+    return [mode, touchable = std::move(touchable), find = std::move(find)](
+               const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view, Progress& progress) {
+        PointSet found = find(view, progress);
+        keepTouchable(found, *view.cloud, touchable(*view.cloud, found, progress), progress);
+        PointSet all = before && mode != SelectMode::Replace ? *before : PointSet(found.size());
+        combine(all, found, mode);
+        return all;
+    };
 }
 
 // -- without a shape
 
-void Selection::askFound(const QString& title, SelectMode mode,
-                         std::function<PointSet(const PointCloud&, Progress&)> find)
+void Selection::askFound(const QString& title, SelectMode mode, Find find)
 {
     Task task;
     task.title = title;
-    task.work = [mode, touchable = touchable(), find = std::move(find)](
-                    const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view, Progress& progress) {
-        PointSet found = find(*view.cloud, progress);
-        keepTouchable(found, *view.cloud, touchable(*view.cloud, found, progress), progress);
-        return combined(before, found, mode);
-    };
+    task.work = putTogether(mode, touchable(), std::move(find));
     ask(std::move(task));
 }
 
@@ -232,14 +227,6 @@ void Selection::clear()
     publish(*document, {});
 }
 
-void Selection::show(const std::shared_ptr<const PointSet>& points)
-{
-    Task task;
-    task.title = tr("Select");
-    task.work = [points](const auto&, const ViewSnapshot&, Progress&) { return *points; };
-    ask(std::move(task));
-}
-
 void Selection::invert()
 {
     Task task;
@@ -256,8 +243,8 @@ void Selection::invert()
 
 void Selection::selectAll()
 {
-    askFound(tr("Select all"), m_mode, [](const PointCloud& cloud, Progress&) {
-        PointSet all(cloud.size());
+    askFound(tr("Select all"), m_mode, [](const ViewSnapshot& view, Progress&) {
+        PointSet all(view.cloud->size());
         all.invert();
         return all;
     });
@@ -280,8 +267,8 @@ void Selection::selectClass(unsigned code, SelectMode mode)
 
 void Selection::askCondition(const QString& text, SelectMode mode)
 {
-    askFound(tr("Select by rule"), mode, [text](const PointCloud& cloud, Progress& progress) {
-        return *expression::select(cloud, expression::Condition(text.toStdString(), cloud), progress);
+    askFound(tr("Select by rule"), mode, [text](const ViewSnapshot& view, Progress& progress) {
+        return *expression::select(*view.cloud, expression::Condition(text.toStdString(), *view.cloud), progress);
     });
 }
 
@@ -348,11 +335,11 @@ void Selection::run(Task task)
 {
     const auto result = std::make_shared<State>();
     const std::uint64_t generation = m_generation;
-    if (!std::exchange(task.base->known, true)) task.base->points = points(task.document);
+    if (!std::exchange(task.base->known, true)) task.base->state = state(task.document);
     m_job = m_workspace.startJob(
         task.title,
         [view = task.shot->view, result, work = std::move(task.work),
-         before = task.base->points](Progress& progress) {
+         before = task.base->state.points](Progress& progress) {
             const auto points = std::make_shared<PointSet>(work(before, *view, progress));
             result->count = points->count();
             result->hidden = countWithout(*points, *view->visible);

@@ -74,8 +74,6 @@ public:
 
     // -- without a shape; by the mode where that makes sense
     void clear();
-    /// Selects these points of the active document, whatever the mode: what a preview found.
-    void show(const std::shared_ptr<const PointSet>& points);
     void invert();
     void selectAll();
     /// Throws expression::ExpressionError when the text is no condition for the active document.
@@ -104,7 +102,7 @@ private:
     /// begun.
     struct Base {
         bool known = false;
-        std::shared_ptr<const PointSet> points;
+        State state;
     };
     /// The picture that a shape lies on, asked for as soon as there is a shape: the view may close or move on
     /// before it is worked out.
@@ -131,12 +129,13 @@ private:
     void startNext();
     void run(Task task);
     void publish(Document& document, State state);
-    /// Asked in the GUI thread; gives what says in a job which points of a set may be touched.
-    std::function<Touchable(const PointCloud&, const PointSet& among, Progress&)> touchable(
-        const std::vector<ClipPlane>& cuts = {}) const;
-    /// A question whose answer is put together with the selection by the mode.
-    void askFound(const QString& title, SelectMode mode,
-                  std::function<PointSet(const PointCloud&, Progress&)> find);
+    /// Says in a job which points of a set may be touched; asked for in the GUI thread.
+    using WhatTouchable = std::function<Touchable(const PointCloud&, const PointSet& among, Progress&)>;
+    WhatTouchable touchable(const std::vector<ClipPlane>& cuts = {}) const;
+    /// What is found, as far as it may be touched, is put together with the selection by the mode.
+    using Find = std::function<PointSet(const ViewSnapshot& view, Progress& progress)>;
+    static Work putTogether(SelectMode mode, WhatTouchable touchable, Find find);
+    void askFound(const QString& title, SelectMode mode, Find find);
     void askCondition(const QString& text, SelectMode mode);
     /// One that makes another selection of the present one, looking at neighbors.
     void askNeighbors(const QString& title,
