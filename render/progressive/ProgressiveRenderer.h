@@ -40,7 +40,8 @@ struct PickResult {
 /// mutex() shared while it reads columns. Errors: Error from the backend.
 ///
 /// Several renderers of one thread may draw the same stores. They show the same attribute then; what one is told by
-/// valuesChanged(), setSelection(), setPreview() or hide() it does to the stores, and the others are told by storesChanged().
+/// valuesChanged(), setSelection(), setPreview() or hide() it does to the stores, and the others are told by
+/// storesChanged().
 class ProgressiveRenderer
 {
 public:

@@ -213,7 +213,11 @@ std::shared_ptr<AttributeEncoder> PointStore::makeEncoder(const Attribute& attri
 std::shared_ptr<const AttributeEncoder> PointStore::encoderFor(PointRange range)
 {
     const std::lock_guard lock(m_encoderMutex);
-    if (!m_encoder) m_encoder = makeEncoder(*m_cloud->findAttribute(firstAttribute(*m_cloud, range)), range);
+    if (!m_encoder) {
+        const auto first = makeEncoder(*m_cloud->findAttribute(firstAttribute(*m_cloud, range)), range);
+        first->setSelection(m_selection);
+        m_encoder = first;
+    }
     return m_encoder;
 }
 

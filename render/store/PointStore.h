@@ -115,8 +115,8 @@ public:
     void show(const Attribute& attribute);
     /// Marks these points as selected; null: none. Only those that were not, or are no longer, become stale.
     void setSelection(std::shared_ptr<const PointSet> selection);
-    /// Colors as they would be after a change, until it is taken back: null. Where the shown attribute is one of the
-    /// preview's, it is that with its new values; else new classes are shown, whatever was; of other changes the
+    /// Colors as they would be after a change, until it is taken back by null. Where the shown attribute is one of
+    /// the preview's, its new values are shown; else new classes are, whatever was shown; of other changes the
     /// points are marked as selected ones are. Selecting and show() go on beneath. Every slot becomes stale.
     void setPreview(std::shared_ptr<const Preview> preview);
     /// What words are made by. Null until the first points have come (or show() was called).
@@ -138,6 +138,7 @@ private:
     struct Scratch;
     std::shared_ptr<AttributeEncoder> makeEncoder(const Attribute& attribute, PointRange range) const;
     std::shared_ptr<const AttributeEncoder> encoderFor(PointRange range);
+    /// Of the cloud; beside it the preview's, where there is one.
     void setEncoder(std::shared_ptr<const AttributeEncoder> encoder);
     /// Encodes the points of a range and puts them into their slots; positions too when asked for.
     void put(PointRange range, const AttributeEncoder& encoder, bool positions);

@@ -335,7 +335,9 @@ void EditDock::followPreview(bool on)
 {
     m_endPreview->setVisible(on);
     m_escape->setEnabled(on);
-    if (!on) say({});
+    if (on) return;
+    m_previewed = nullptr;
+    say({});
 }
 
 void EditDock::selectByRule()
