@@ -95,7 +95,19 @@ void Document::setAttributes(std::vector<Attribute> attributes)
 void Document::setFigures(const QString& name, const AttributeFigures& figures)
 {
     m_figures[name] = figures;
+    for (int axis = 0; axis < 3; ++axis)
+        if (name == QLatin1Char("XYZ"[axis])) takeBounds(axis, figures[0]);
     emit figuresChanged(name);
+}
+
+void Document::takeBounds(int axis, const AttributeStatistics& figures)
+{
+    // Points that could not be read are 0, and nowhere.
+    if (figures.count == 0 || m_missingPoints != 0) return;
+    const WorldBounds before = m_bounds;
+    m_bounds.min[axis] = toDouble(figures.min);
+    m_bounds.max[axis] = toDouble(figures.max);
+    if (before.min != m_bounds.min || before.max != m_bounds.max) emit stateChanged();
 }
 
 void Document::forgetFigures(const QStringList& names)

@@ -74,9 +74,10 @@ public:
     const QStringList& losses() const noexcept { return m_losses; }
     /// What else is to be said of the file, one sentence each.
     const QStringList& warnings() const noexcept { return m_warnings; }
-    /// Of the points read; until all are there, a first idea from the header.
+    /// Of the points read, without deleted ones; until all are there, a first idea from the header. Follows edits a
+    /// little later, by a job.
     const WorldBounds& bounds() const noexcept { return m_bounds; }
-    /// The same as raw integers; empty until all points are read.
+    /// Of all points read, as raw integers; empty until all are there.
     const RawBounds& rawBounds() const noexcept { return m_rawBounds; }
 
     /// Attributes at present; a copy, so that no lock is needed.
@@ -84,7 +85,7 @@ public:
     const Attribute* findAttribute(const QString& name) const;
     /// Of X and Y: "m", "ft" or "deg"; empty when not known.
     QString coordinateUnit() const;
-    /// Of lengths as they are drawn and measured: metres where the coordinates are in degrees.
+    /// Of lengths as they are drawn and measured: meters where the coordinates are in degrees.
     QString lengthUnit() const;
     /// Of cameras that look at this document within `bounds`: render::viewStretch().
     glm::dvec3 viewStretch(const WorldBounds& bounds) const;
@@ -122,12 +123,14 @@ public:
     void noteEdit();
 
 signals:
-    void stateChanged();  ///< loading, modified, path, warnings
+    void stateChanged();  ///< loading, modified, path, warnings, bounds
     void attributesChanged();
     void figuresChanged(const QString& name);
     void classCountsChanged();
 
 private:
+    void takeBounds(int axis, const AttributeStatistics& figures);
+
     std::shared_ptr<OpenCloud> m_data;
     QString m_path;
     State m_state = State::Loading;

@@ -58,7 +58,8 @@ namespace punctum::ui
 namespace
 {
 
-constexpr double kNeighbours = 20.0;  // times the largest file's extent
+constexpr double kNeighbors = 20.0;  // times the largest file's extent
+constexpr double kSpeck = 8.0;       // px: what is smaller cannot be seen
 
 MainWindow::Unsaved askInBox(QWidget* parent, const QString& name)
 {
@@ -213,7 +214,10 @@ void MainWindow::connectParts()
     connect(m_workspace, &Workspace::documentAdded, this, &MainWindow::documentAdded);
     connect(m_workspace, &Workspace::documentLoaded, this, &MainWindow::documentLoaded);
     connect(m_workspace, &Workspace::documentRemoved, this, &MainWindow::documentRemoved);
-    connect(m_workspace, &Workspace::documentStateChanged, this, [this] { updateTitle(); });
+    connect(m_workspace, &Workspace::documentStateChanged, this, [this] {
+        updateSceneBounds();
+        updateTitle();
+    });
     connect(m_workspace, &Workspace::message, this,
             [this](MessageKind kind, const QString& text, const QString& details) {
                 m_viewport->messages().add(kind, text, details);
@@ -294,7 +298,7 @@ void MainWindow::updateSceneBounds()
 
 void MainWindow::fitFor(const Document& document)
 {
-    // Neighbours are shown together; of surveys far apart the new one, because both would be specks.
+    // Neighbors are shown together; of surveys far apart the new one, because both would be specks.
     WorldBounds all = document.bounds();
     double largest = 0.0;
     for (const Document* other : m_workspace->documents()) {
@@ -302,8 +306,17 @@ void MainWindow::fitFor(const Document& document)
         if (!other->bounds().empty())
             largest = std::max(largest, glm::length(other->bounds().max - other->bounds().min));
     }
-    const bool together = all.empty() || glm::length(all.max - all.min) <= kNeighbours * largest;
+    const bool together = all.empty() || glm::length(all.max - all.min) <= kNeighbors * largest;
     m_viewport->fitTo(together ? all : document.bounds(), false);
+}
+
+bool MainWindow::showsAnything() const
+{
+    const QSize size = m_viewport->pictureSize();
+    const auto& documents = m_workspace->documents();
+    return std::any_of(documents.begin(), documents.end(), [&](const Document* document) {
+        return m_viewport->camera().seenSize(document->bounds(), {size.width(), size.height()}) >= kSpeck;
+    });
 }
 
 void MainWindow::fitActive()
@@ -341,6 +354,8 @@ void MainWindow::documentRemoved(Document* document, bool openingFailed)
             m_viewport->setCamera(before->second.first);
         m_camerasBefore.erase(before);
     }
+    // Of files far apart the one that was looked at may be gone.
+    if (m_workspace->active() && !showsAnything()) fitFor(*m_workspace->active());
     updateTitle();
 }
 
@@ -471,7 +486,7 @@ void MainWindow::showAttribute(const QString& name)
 
 void MainWindow::stepAttribute(int direction)
 {
-    const QString name = m_attributes->model().neighbour(direction);
+    const QString name = m_attributes->model().neighbor(direction);
     if (!name.isEmpty()) showAttribute(name);
 }
 

@@ -133,6 +133,7 @@ private:
     void updateTitle();
     void updateSceneBounds();
     void fitFor(const Document& document);
+    bool showsAnything() const;
     void documentAdded(Document* document);
     void documentLoaded(Document* document);
     void documentRemoved(Document* document, bool openingFailed);

@@ -45,7 +45,7 @@ private:
     double m_progress = -1.0;
 };
 
-/// The colour bar: attribute, unit, lowest and highest value. Without a bar for colours that explain themselves.
+/// The color bar: attribute, unit, lowest and highest value. Without a bar for colors that explain themselves.
 class LegendOverlay final : public OverlayPanel
 {
     Q_OBJECT

@@ -30,8 +30,8 @@ struct Frame {
     render::Image image;
     render::Camera camera;  ///< that it was drawn with
     render::FrameReport report;
-    std::pair<double, double> range;  ///< of scalar colours
-    QString attribute;                ///< that it is coloured by
+    std::pair<double, double> range;  ///< of scalar colors
+    QString attribute;                ///< that it is colored by
     std::uint64_t number = 0;         ///< 1, 2, 3, ...
 };
 

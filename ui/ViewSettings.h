@@ -9,7 +9,7 @@
 namespace punctum::ui
 {
 
-/// What the user chose to see: attribute, colour map, range, palette, hidden classes, point size, samples,
+/// What the user chose to see: attribute, color map, range, palette, hidden classes, point size, samples,
 /// background. One for the view, shared by the docks and menus that change it. GUI thread only.
 class ViewSettings final : public QObject
 {

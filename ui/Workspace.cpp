@@ -252,8 +252,7 @@ void Workspace::handleNotice(Document& document, const ChangeNotice& notice, Aft
         document.setAttributes(std::move(after.attributes));
     } else if (notice.kind == ChangeNotice::Kind::Deleted) {
         document.setDeleted(std::move(after.deleted), after.deletedCount);
-        for (const Attribute& attribute : document.attributes())  // of which points are counted
-            if (attribute.kind == AttributeKind::Class) names << toQString(attribute.name);
+        for (const Attribute& attribute : document.attributes()) names << toQString(attribute.name);
     } else {
         for (const Attribute& attribute : document.attributes())
             if (notice.concerns(attribute)) names << toQString(attribute.name);
@@ -303,7 +302,7 @@ void Workspace::analyse(Document& document, const QStringList& names)
                 AttributeFigures figures;
                 for (std::uint32_t c = 0; c < attribute.components; ++c) {
                     const std::shared_lock lock(cloud->mutex());
-                    figures[c] = computeStatistics(attribute, c, progress);
+                    figures[c] = computeStatistics(attribute, c, progress, cloud->deleted().get());
                 }
                 deliver([name = toQString(attribute.name), figures](Document& d) { d.setFigures(name, figures); });
             }

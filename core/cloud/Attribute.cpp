@@ -229,7 +229,8 @@ void Attribute::gatherBits(PointRange range, std::uint32_t* out, std::uint32_t c
     gatherRawBits(*this, Consecutive{range}, out, component);
 }
 
-AttributeStatistics computeStatistics(const Attribute& attribute, std::uint32_t component, Progress& progress)
+AttributeStatistics computeStatistics(const Attribute& attribute, std::uint32_t component, Progress& progress,
+                                      const PointSet* leftOut)
 {
     return visitScalar(attribute.columns[component]->type(), [&](auto zero) {
         using T = decltype(zero);
@@ -239,8 +240,9 @@ AttributeStatistics computeStatistics(const Attribute& attribute, std::uint32_t 
             [&](const tbb::blocked_range<PointIndex>& r, Extremes<T> e) {
                 if (progress.cancelled()) return e;
                 double sum = 0;
-                const bool plain = !attribute.noData;
+                const bool plain = !attribute.noData, every = leftOut == nullptr;
                 for (PointIndex i = r.begin(); i != r.end(); ++i) {
+                    if (!every && leftOut->contains(i)) continue;
                     const T v = raw(i);
                     if constexpr (std::is_floating_point_v<T>)
                         if (std::isnan(v)) continue;
@@ -268,8 +270,7 @@ AttributeStatistics computeStatistics(const Attribute& attribute, std::uint32_t 
     });
 }
 
-std::array<std::uint64_t, 256> countValues(const Attribute& attribute, Progress& progress,
-                                        const PointSet* leftOut)
+std::array<std::uint64_t, 256> countValues(const Attribute& attribute, Progress& progress, const PointSet* leftOut)
 {
     using Counts = std::array<std::uint64_t, 256>;
     return visitScalar(attribute.columns[0]->type(), [&](auto zero) {

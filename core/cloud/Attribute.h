@@ -19,9 +19,9 @@ class Progress;
 
 /// How an attribute's values are meant, which decides how they are drawn and listed.
 enum class AttributeKind {
-    Scalar,    ///< a quantity: drawn through a colour map over a range
+    Scalar,    ///< a quantity: drawn through a color map over a range
     Class,     ///< an ASPRS class code: drawn with the class palette
-    Category,  ///< ids, flags and small counts: each value has a colour of its own
+    Category,  ///< ids, flags and small counts: each value has a color of its own
     Color,     ///< red, green, blue
     Vector,    ///< a direction of three components, such as Normal
     Opaque,    ///< bytes nobody described: kept and written back, not drawn
@@ -84,12 +84,14 @@ struct AttributeStatistics {
     std::uint64_t count = 0;  ///< points that have a value (NaN and no-data left out); 0: min, max, mean are 0
 };
 
-/// Exact minimum, maximum and mean of one component, in parallel. Throws Cancelled.
-AttributeStatistics computeStatistics(const Attribute& attribute, std::uint32_t component, Progress& progress);
+/// Exact minimum, maximum and mean of one component, in parallel; without the points of `leftOut` (null: none).
+/// Throws Cancelled.
+AttributeStatistics computeStatistics(const Attribute& attribute, std::uint32_t component, Progress& progress,
+                                      const PointSet* leftOut = nullptr);
 
 /// How many points have each of the 256 class codes (or any attribute's raw value, cut at 255); those of `leftOut`
 /// (null: none) are not counted.
 std::array<std::uint64_t, 256> countValues(const Attribute& attribute, Progress& progress,
-                                        const PointSet* leftOut = nullptr);
+                                           const PointSet* leftOut = nullptr);
 
 }  // namespace punctum

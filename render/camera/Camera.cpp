@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "render/camera/Camera.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -87,6 +88,28 @@ glm::dvec3 Camera::project(const glm::dvec3& world, glm::dvec2 sizePx) const noe
     const double scale = orthographic ? 1.0 / unitsPerPixel(sizePx.y)
                                       : sizePx.y / 2 / std::tan(fovY / 2) / (depth != 0 ? depth : 1e-300);
     return {sizePx.x / 2 + glm::dot(offset, right()) * scale, sizePx.y / 2 - glm::dot(offset, up()) * scale, depth};
+}
+
+double Camera::seenSize(const WorldBounds& bounds, glm::dvec2 sizePx) const noexcept
+{
+    if (bounds.empty()) return 0.0;
+    bool behind = false, before = false;
+    glm::dvec2 low(1e300), high(-1e300);
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 px =
+            project({corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
+                     corner & 4 ? bounds.max.z : bounds.min.z},
+                    sizePx);
+        (px.z > 0 || orthographic ? before : behind) = true;
+        low = glm::min(low, glm::dvec2(px));
+        high = glm::max(high, glm::dvec2(px));
+    }
+    if (!before) return 0.0;
+    // A box that reaches behind the eye has no outline; it is near, and large.
+    if (behind) return std::max(sizePx.x, sizePx.y);
+    low = glm::max(low, glm::dvec2(0.0));
+    high = glm::min(high, sizePx);
+    return low.x > high.x || low.y > high.y ? 0.0 : std::max(high.x - low.x, high.y - low.y);
 }
 
 void Camera::fit(const WorldBounds& bounds, glm::dvec2 sizePx) noexcept

@@ -46,6 +46,9 @@ struct Camera {
     glm::dvec3 unproject(glm::dvec2 px, glm::dvec2 sizePx) const noexcept;
     /// px of a world point, z: depth along the view direction (<= 0: behind).
     glm::dvec3 project(const glm::dvec3& world, glm::dvec2 sizePx) const noexcept;
+    /// How many px wide or high, whichever is more, the part of a box that lies in the picture may be; 0: nothing
+    /// of it is in the picture.
+    double seenSize(const WorldBounds& bounds, glm::dvec2 sizePx) const noexcept;
     /// Puts the pivot in the middle of the box and the eye where the whole box fills the picture. Keeps angles.
     void fit(const WorldBounds& bounds, glm::dvec2 sizePx) noexcept;
     /// Standard views: "top", "bottom", "front", "back", "left", "right", "iso". False for another name.

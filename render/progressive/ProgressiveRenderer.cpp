@@ -26,6 +26,7 @@ namespace
 
 /// Points looked at for the range of a scalar attribute, over all clouds.
 constexpr PointIndex kRangeSamples = 20'000;
+constexpr PointIndex kRangeTries = 256;  // points in a row that are looked at for one that is not deleted
 constexpr double kLowPercentile = 0.02;
 constexpr double kHighPercentile = 0.98;
 
@@ -133,6 +134,10 @@ void ProgressiveRenderer::valuesChanged(const PointCloud& cloud, const ChangeNot
 {
     Entry* const entry = find(cloud);
     if (entry == nullptr) return;
+    if (notice.kind == ChangeNotice::Kind::Deleted) {
+        m_rangeNeeded = true;
+        return;
+    }
     const std::shared_lock lock(cloud.mutex());
     if (!entry->store->encoder()) return;
     const Attribute* const classes = cloud.findAttribute("Classification");
@@ -311,8 +316,14 @@ void ProgressiveRenderer::updateRange()
         const std::shared_lock lock(store.cloud().mutex());
         const PointIndex points = store.cloud().size();
         const PointIndex samples = std::min(points, kRangeSamples / m_entries.size() + 1);
+        const PointSet* const deleted = store.cloud().deleted().get();
         for (PointIndex k = 0; k < samples; ++k) {
-            const PointIndex i = k * points / samples;
+            PointIndex i = k * points / samples;
+            if (deleted != nullptr) {
+                const PointIndex last = std::min((k + 1) * points / samples, i + kRangeTries);
+                while (i < last && deleted->contains(i)) ++i;
+                if (i == last) continue;
+            }
             if (!store.isFilled(i)) continue;
             const double v = encoder->attribute().number(i);
             if (std::isfinite(v)) values.push_back(v);

@@ -79,7 +79,7 @@ public:
     const Camera& camera() const noexcept { return m_camera; }
     void setDisplay(const DisplaySettings& display);
     const DisplaySettings& display() const noexcept { return m_display; }
-    /// Range that scalar colours are drawn over at present (world values of the attribute).
+    /// Range that scalar colors are drawn over at present (world values of the attribute).
     std::pair<double, double> range() const noexcept { return m_range; }
     /// Name of the attribute on screen.
     std::string shownAttribute() const;

@@ -13,7 +13,8 @@
 
 using namespace punctum;
 
-namespace {
+namespace
+{
 
 AttributeStatistics statistics(const Attribute& attribute, std::uint32_t component = 0)
 {
@@ -36,11 +37,15 @@ std::shared_ptr<PointCloud> holding(const std::vector<T>& values,
     return cloud;
 }
 
-const Attribute& theAttribute(const std::shared_ptr<PointCloud>& cloud) { return *cloud->findAttribute("A"); }
+const Attribute& theAttribute(const std::shared_ptr<PointCloud>& cloud)
+{
+    return *cloud->findAttribute("A");
+}
 
 }  // namespace
 
-class CloudTest : public QObject {
+class CloudTest : public QObject
+{
     Q_OBJECT
 
 private slots:
@@ -244,6 +249,16 @@ void CloudTest::statisticsOfManyPoints()
     QCOMPARE(toDouble(s.max), 500001.0);
     QCOMPARE(s.mean, 0.0);
     QCOMPARE(s.count, std::uint64_t(values.size()));
+
+    PointSet leftOut(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (values[i] < -1000 || values[i] > 2000) leftOut.insert(i);
+    Progress progress;
+    const auto rest = computeStatistics(theAttribute(holding(values)), 0, progress, &leftOut);
+    QCOMPARE(toDouble(rest.min), -1000.0);
+    QCOMPARE(toDouble(rest.max), 2000.0);
+    QCOMPARE(rest.mean, 500.0);
+    QCOMPARE(rest.count, std::uint64_t(3001));
 }
 
 void CloudTest::statisticsOfNegativeScale()

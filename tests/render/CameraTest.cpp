@@ -38,6 +38,7 @@ private Q_SLOTS:
     void zoomKeepsTheTargetInPlace();
     void panFollowsTheMouse();
     void fitShowsTheWholeBox();
+    void tellsHowLargeABoxIsSeen();
     void degreesHaveTheirTrueShape();
     void farCoordinatesDrawWithoutJitter_data();
     void farCoordinatesDrawWithoutJitter();
@@ -115,6 +116,34 @@ void CameraTest::fitShowsTheWholeBox()
 }
 
 // Lengths of a degree on WGS 84 as tables of geodesy have them, and what the camera makes of them.
+void CameraTest::tellsHowLargeABoxIsSeen()
+{
+    const glm::dvec2 size(400, 300);
+    const WorldBounds box{{100, 200, 0}, {110, 210, 5}};
+    for (const bool orthographic : {false, true}) {
+        Camera camera;
+        camera.orthographic = orthographic;
+        camera.fit(box, size);
+        QVERIFY(camera.seenSize(box, size) > 250 && camera.seenSize(box, size) <= 400);
+        QCOMPARE(camera.seenSize({}, size), 0.0);
+        const Camera fitted = camera;
+        camera.eye += camera.right() * 1000.0;
+        camera.pivot += camera.right() * 1000.0;
+        QCOMPARE(camera.seenSize(box, size), 0.0);
+        camera = fitted;
+        camera.zoomTowards(camera.pivot, 0.01);  // close by
+        QCOMPARE(camera.seenSize(box, size), 400.0);
+        camera = fitted;
+        camera.zoomTowards(camera.pivot, 1000.0);
+        QVERIFY(camera.seenSize(box, size) > 0 && camera.seenSize(box, size) < 1);
+    }
+    Camera away;
+    away.fit(box, size);
+    away.yaw += 3.14159;
+    away.pitch = -away.pitch;
+    QCOMPARE(away.seenSize(box, size), 0.0);  // behind the eye
+}
+
 void CameraTest::degreesHaveTheirTrueShape()
 {
     const struct {

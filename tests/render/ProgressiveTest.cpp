@@ -455,6 +455,22 @@ void ProgressiveTest::rangeIsSecondToNinetyEighthPercentile()
     view.renderer.setDisplay(display);
     view.converge();
     QCOMPARE(view.renderer.range(), std::pair(100.0, 200.0));
+
+    // deleted points have no part in it, however few are left
+    display.range.reset();
+    view.renderer.setDisplay(display);
+    view.converge();
+    const auto gone = std::make_shared<PointSet>(cloud->size());
+    const Attribute intensity = *cloud->findAttribute("Intensity");
+    for (PointIndex i = 0; i < cloud->size(); ++i)
+        if (intensity.number(i) < 1000 || intensity.number(i) > 1010) gone->insert(i);
+    {
+        const std::unique_lock lock(cloud->mutex());
+        cloud->setDeleted(gone);
+    }
+    view.renderer.valuesChanged(*cloud, {ChangeNotice::Kind::Deleted, {}, gone});
+    view.converge();
+    QVERIFY(view.renderer.range().first >= 1000 && view.renderer.range().second <= 1010);
 }
 
 void ProgressiveTest::severalCloudsInOneView()

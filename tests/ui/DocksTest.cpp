@@ -55,7 +55,7 @@ private slots:
         // Once round the list and back.
         QSet<QString> seen;
         for (int i = 0; i < list.rowCount(); ++i) {
-            list.setShown(list.neighbour(1));
+            list.setShown(list.neighbor(1));
             seen.insert(list.shown());
         }
         QCOMPARE(seen.size(), list.rowCount());

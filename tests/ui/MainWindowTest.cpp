@@ -250,6 +250,20 @@ private slots:
         test.window->workspace().close(*second);
         QCOMPARE(test.window->workspace().documents().size(), std::size_t(1));
         QVERIFY(test.settle());
+        // closing the one that is looked at shows the one that is left; the view stays where something is seen
+        second = test.open(dataFile(far));
+        QVERIFY(second && holds(*second));
+        test.window->workspace().close(*second);
+        QVERIFY(holds(*first));
+        QVERIFY(test.settle());
+        second = test.open(dataFile(far));
+        QVERIFY(second);
+        test.window->workspace().setActive(first);
+        test.window->fitActive();
+        QVERIFY(waitFor([&] { return holds(*first); }, 5000) && test.settle());
+        const render::Camera before = test.window->viewport().camera();
+        test.window->workspace().close(*second);
+        QVERIFY(test.window->viewport().camera() == before);
     }
 
     void readsOutThePointUnderTheCursor()

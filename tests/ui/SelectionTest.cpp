@@ -396,10 +396,29 @@ private slots:
         const auto before = b.frame();
         b.drag(b.at(0.3, 0.3), b.at(0.6, 0.6));
         QVERIFY(b.done());
+        b.selection().setMode(SelectMode::Add);
+        b.selection().selectByRule(QStringLiteral("Z > 450"));
+        QVERIFY(b.done());
+        b.selection().setMode(SelectMode::Replace);
         const auto points = b.points();
         QVERIFY(press(b, Qt::Key_Delete, {}));
         QVERIFY(!b.points());
         QCOMPARE(b.document->deletedPoints(), points->count());
+        // ranges and what Fit shows are those of the others
+        const auto figures = [&](const char* name) { return (*b.document->figures(QLatin1String(name)))[0]; };
+        for (const char* name : {"X", "Y", "Z", "Intensity"}) {
+            double low = 1e300, high = -1e300;
+            for (PointIndex i = 0; i < all; ++i) {
+                const double v = b.document->findAttribute(QLatin1String(name))->number(i);
+                if (points->contains(i)) continue;
+                low = std::min(low, v);
+                high = std::max(high, v);
+            }
+            QCOMPARE(figures(name).count, all - points->count());
+            QCOMPARE(toDouble(figures(name).min), low);
+            QCOMPARE(toDouble(figures(name).max), high);
+        }
+        QVERIFY(b.document->bounds().max.z <= 450.0);
         QVERIFY(waitFor([&] { return difference(before->image, b.frame()->image) > 0.01; }));
         const auto& counts = *b.document->classCounts();
         QCOMPARE(std::accumulate(counts.begin(), counts.end(), std::uint64_t(0)), all - points->count());
@@ -409,6 +428,7 @@ private slots:
         b.selection().clear();
         QVERIFY(press(b, Qt::Key_Z, Qt::ControlModifier));
         QCOMPARE(b.document->deletedPoints(), PointIndex(0));
+        QVERIFY(b.document->bounds().max.z > 500.0);
         QVERIFY(waitFor([&] { return b.frame()->image == before->image; }));
         QVERIFY(press(b, Qt::Key_Y, Qt::ControlModifier));
         QVERIFY2(waitFor([&] { return b.document->unsavedChanges().contains(QLatin1String("left out")); }),

@@ -29,7 +29,7 @@ protected:
     void startDrag(Qt::DropActions actions) override;
 };
 
-/// Attributes of the active document, and how the shown one becomes colours. GUI thread only.
+/// Attributes of the active document, and how the shown one becomes colors. GUI thread only.
 class AttributesDock final : public QDockWidget
 {
     Q_OBJECT

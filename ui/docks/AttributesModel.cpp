@@ -76,7 +76,7 @@ QModelIndex AttributesModel::indexOf(const QString& name) const
     return {};
 }
 
-QString AttributesModel::neighbour(int steps) const
+QString AttributesModel::neighbor(int steps) const
 {
     const int count = rowCount();
     const int start = indexOf(m_shown).row();

@@ -18,7 +18,7 @@ public:
         NameRole = Qt::UserRole,
         DetailRole,  ///< "uint16  ·  12 to 4,095  ·  mean 340"
         KindRole,    ///< int of AttributeKind
-        ShownRole,   ///< whether the view is coloured by it
+        ShownRole,   ///< whether the view is colored by it
         DrawableRole
     };
 
@@ -31,7 +31,7 @@ public:
     QString shown() const { return m_shown; }
     QModelIndex indexOf(const QString& name) const;
     /// Name of the drawable attribute `steps` further down the list, round its ends; empty when there is none.
-    QString neighbour(int steps) const;
+    QString neighbor(int steps) const;
 
     int rowCount(const QModelIndex& parent = {}) const override;
     QVariant data(const QModelIndex& index, int role) const override;

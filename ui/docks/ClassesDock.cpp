@@ -24,7 +24,7 @@ namespace punctum::ui
 namespace
 {
 
-/// The colour as a rounded square; hollow for a class that is hidden.
+/// The color as a rounded square; hollow for a class that is hidden.
 class SwatchDelegate final : public QStyledItemDelegate
 {
 public:

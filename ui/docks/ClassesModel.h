@@ -13,7 +13,8 @@ namespace punctum::ui
 
 class ViewSettings;
 
-/// The classes that occur in one document: visible, colour, code, name, count, locked; sorted by code. GUI thread only.
+/// The classes that occur in one document: visible, color, code, name, count, locked; sorted by code. GUI thread
+/// only.
 class ClassesModel final : public QAbstractTableModel
 {
     Q_OBJECT

@@ -20,7 +20,7 @@ namespace punctum::ui
 
 class ViewSettings;
 
-/// How the shown attribute becomes colours, and how large points are: colour map, range, size, samples.
+/// How the shown attribute becomes colors, and how large points are: color map, range, size, samples.
 /// GUI thread only; borrows the settings.
 class ColorPanel final : public QWidget
 {
@@ -30,7 +30,7 @@ public:
 
     /// The range that is drawn at present, for the fields.
     void setRange(std::pair<double, double> range);
-    /// Colour map and range mean something for scalar attributes only.
+    /// Color map and range mean something for scalar attributes only.
     void setKind(std::optional<AttributeKind> kind);
 
 private:

@@ -24,9 +24,9 @@ std::vector<IconShape> iconShapes(const QString& name);
 /// Reads the part of SVG named above; empty when the text is not of that kind.
 std::vector<IconShape> readSvgShapes(const QByteArray& svg);
 
-/// An icon that takes its colour from the palette when it is painted, so that it fits a dark and a light window.
+/// An icon that takes its color from the palette when it is painted, so that it fits a dark and a light window.
 QIcon lineIcon(const QString& name);
-/// The same in a fixed colour.
+/// The same in a fixed color.
 QIcon lineIcon(const QString& name, const QColor& color);
 /// The program's own.
 QIcon programIcon();

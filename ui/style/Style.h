@@ -6,7 +6,7 @@
 namespace punctum::ui
 {
 
-/// Fusion with flat, rounded fields: combo boxes, spin boxes and check marks in the theme's colours, alike in the
+/// Fusion with flat, rounded fields: combo boxes, spin boxes and check marks in the theme's colors, alike in the
 /// dark and in the light window. GUI thread; owned by the application.
 class Style final : public QProxyStyle
 {

@@ -10,14 +10,14 @@ class QFont;
 namespace punctum::ui
 {
 
-/// The window's colours and spacing. GUI thread.
+/// The window's colors and spacing. GUI thread.
 
 /// Height of line edits, combo boxes and spin boxes in logical px, so that rows line up.
 inline constexpr int kFieldHeight = 30;
 
 enum class Appearance { System, Dark, Light };
 
-/// The colours that widgets of ours paint with, beyond the palette.
+/// The colors that widgets of ours paint with, beyond the palette.
 struct ThemeColors {
     bool dark = true;
     QColor window, base, raised, hover, border, text, dim, accent, accentSoft, warning, error, good;
@@ -25,7 +25,7 @@ struct ThemeColors {
 
 /// Style, palette and style sheet for the whole program. System: as the desktop says, dark where it says nothing.
 void applyTheme(QApplication& application, Appearance appearance);
-/// The colours in force.
+/// The colors in force.
 const ThemeColors& themeColors();
 
 /// Name as kept in the settings, and back.
