@@ -55,6 +55,24 @@ void remove(History& history, const std::shared_ptr<const PointSet>& points)
     history.push(std::make_unique<DeleteCommand>("Delete", points));
 }
 
+/// Points at random places, of which some are deleted.
+struct Thinned {
+    std::shared_ptr<PointCloud> cloud;
+    std::shared_ptr<const PointSet> gone;
+    PointSet all;
+
+    Thinned(PointIndex size, std::uint32_t extent, unsigned oneOf)
+        : cloud(makeFrame(size)), gone(randomSet(size, size, oneOf)), all(size)
+    {
+        std::mt19937 random(3);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (std::int32_t& v : rawAxis(*cloud, axis)) v = std::int32_t(random() % extent);
+        History history(cloud);
+        remove(history, gone);
+        all.invert();
+    }
+};
+
 /// What the header must say of these records, from the standard's tables.
 void checkFigures(const Bytes& file, const Bytes& records)
 {
@@ -154,13 +172,9 @@ private slots:
     void nothingTouchesThem()
     {
         const PointIndex size = 5000;
-        const auto cloud = makeFrame(size);
-        std::mt19937 random(3);
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            for (std::int32_t& v : rawAxis(*cloud, axis)) v = std::int32_t(random() % 1000);
-        History history(cloud);
-        const auto gone = randomSet(size, 4, 4);
-        remove(history, gone);
+        const Thinned thinned(size, 1000, 4);
+        const auto& cloud = thinned.cloud;
+        const auto& gone = thinned.gone;
         Progress progress;
         const auto hidden = hiddenPoints(*cloud, {}, progress);
         QVERIFY(hidden && *hidden == *gone);
@@ -171,9 +185,7 @@ private slots:
             touched.intersect(*gone);
             return touched.count() == 0 && command->changedPoints() > 0;
         };
-        PointSet all(size);
-        all.invert();
-        const auto everything = std::make_shared<PointSet>(all);
+        const auto everything = std::make_shared<PointSet>(thinned.all);
         QVERIFY(touchesNone({"set", {{"rule", "Classification = 2"}}, nullptr}));
         QVERIFY(touchesNone({"set", {{"rule", "Classification = 2 if Z > 0"}}, everything}));
         QVERIFY(touchesNone(
@@ -189,24 +201,18 @@ private slots:
             QVERIFY(!gone->contains(p.index));
         const auto counts = countValues(*cloud->findAttribute("Classification"), progress, cloud->deleted().get());
         QCOMPARE(counts[0], std::uint64_t(size - gone->count()));
-        QCOMPARE(extracted(*cloud, all, progress)->size(), size - gone->count());
+        QCOMPARE(extracted(*cloud, thinned.all, progress)->size(), size - gone->count());
     }
 
     void outliersAreThoseOfTheOthersAlone()
     {
         // The same points, once with others that are deleted in between.
         const PointIndex size = 3000;
-        const auto cloud = makeFrame(size);
-        std::mt19937 random(5);
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            for (std::int32_t& v : rawAxis(*cloud, axis)) v = std::int32_t(random() % 2000);
-        History history(cloud);
-        const auto gone = randomSet(size, 6, 2);
-        remove(history, gone);
+        const Thinned thinned(size, 2000, 2);
+        const auto& cloud = thinned.cloud;
+        const auto& gone = thinned.gone;
         Progress progress;
-        PointSet all(size);
-        all.invert();
-        const auto part = extracted(*cloud, all, progress);
+        const auto part = extracted(*cloud, thinned.all, progress);
         const Recipe outliers{"outliers", {{"deviations", "1.5"}}, nullptr};
         const auto here = makeCommand(outliers, *cloud, progress), there = makeCommand(outliers, *part, progress);
         QVERIFY(here && there);

@@ -6,12 +6,14 @@
 #include "core/process/Step.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
+#include "tests/core/LoadAndSave.h"
 
 #include <QTemporaryDir>
 #include <QTest>
 
 using namespace punctum;
 using lasfiles::Bytes;
+using lasfiles::load;
 namespace fs = std::filesystem;
 
 /// LAS 1.4 in the older form: written and judged by LASzip's own API.
@@ -43,11 +45,6 @@ private:
     }
     fs::path path(const std::string& name) const { return fs::path(m_dir.path().toStdString()) / name; }
     fs::path make(int format, bool compressed, const Bytes& records) const;
-    static std::shared_ptr<PointCloud> load(const fs::path& file)
-    {
-        Progress progress;
-        return las::load(file, progress);
-    }
     static void save(const PointCloud& cloud, const fs::path& file, std::optional<std::uint8_t> format = {})
     {
         Progress progress;

@@ -6,6 +6,7 @@
 #include "core/las/Writer.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
+#include "tests/core/LoadAndSave.h"
 
 #include <QTemporaryDir>
 #include <QTest>
@@ -15,6 +16,7 @@
 
 using namespace punctum;
 using lasfiles::Bytes;
+using lasfiles::load;
 namespace fs = std::filesystem;
 
 /// Saving what came from a file: what is copied as it is, and what the file that is replaced keeps.
@@ -48,11 +50,6 @@ private:
     {
         lasfiles::writeFile(temp(name), bytes);
         return temp(name);
-    }
-    static std::shared_ptr<PointCloud> load(const fs::path& path)
-    {
-        Progress progress;
-        return las::load(path, progress);
     }
     static las::WriteReport save(const PointCloud& cloud, const fs::path& path, las::WriteOptions options = {})
     {

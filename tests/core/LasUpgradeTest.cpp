@@ -6,6 +6,7 @@
 #include "core/process/Step.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
+#include "tests/core/LoadAndSave.h"
 #include "tests/core/MadeCloud.h"
 
 #include <QTemporaryDir>
@@ -13,6 +14,7 @@
 
 using namespace punctum;
 using lasfiles::Bytes;
+using lasfiles::load;
 namespace fs = std::filesystem;
 
 /// Saving what the file's own point format cannot hold.
@@ -35,11 +37,6 @@ private slots:
 
 private:
     fs::path temp(const std::string& name) const { return fs::path(m_dir.path().toStdString()) / name; }
-    std::shared_ptr<PointCloud> load(const fs::path& path) const
-    {
-        Progress progress;
-        return las::load(path, progress);
-    }
     std::shared_ptr<PointCloud> make(std::uint8_t format, const Bytes& points, std::uint16_t length,
                                      const std::vector<Bytes>& vlrs = {}) const
     {

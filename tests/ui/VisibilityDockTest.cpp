@@ -23,6 +23,31 @@ using namespace punctum;
 using namespace punctum::ui;
 using namespace punctum::ui::test;
 
+namespace
+{
+
+/// A window that shows a real file and the dock.
+struct DockBench : TestWindow {
+    Document* document = nullptr;
+
+    bool begin(const QString& file)
+    {
+        document = open(file);
+        dock().show();
+        dock().raise();
+        return document && settle();
+    }
+    VisibilityDock& dock() { return window->visibilityDock(); }
+    PointIndex hidden()
+    {
+        Progress progress;
+        const auto points = hiddenPoints(*document->cloud(), window->viewFilter().visibility(*document), progress);
+        return points ? points->count() : 0;
+    }
+};
+
+}  // namespace
+
 class VisibilityDockTest : public QObject
 {
     Q_OBJECT
@@ -42,25 +67,16 @@ class VisibilityDockTest : public QObject
                 return label->text();
         return {};
     }
-    static PointIndex hiddenBy(TestWindow& test, const Document& document)
-    {
-        Progress progress;
-        const auto hidden =
-            hiddenPoints(*document.cloud(), test.window->viewFilter().visibility(document), progress);
-        return hidden ? hidden->count() : 0;
-    }
 
 private slots:
     void hidesAndShows()
     {
         const QString file = dataFile(QStringLiteral("autzen_trim.laz"));
         if (file.isEmpty()) QSKIP("autzen_trim.laz is not here.");
-        TestWindow test;
-        Document* document = test.open(file);
-        QVERIFY(document && test.settle());
-        VisibilityDock& dock = test.window->visibilityDock();
-        dock.show();
-        dock.raise();
+        DockBench test;
+        QVERIFY(test.begin(file));
+        const Document* const document = test.document;
+        VisibilityDock& dock = test.dock();
         const render::Image all = test.frame()->image;
 
         // a filter, a wrong one, and none
@@ -75,7 +91,7 @@ private slots:
                         &number = *document->findAttribute(QStringLiteral("ReturnNumber"));
         for (PointIndex i = 0; i < document->points(); ++i)
             expected += !(intensity.number(i) > 100 && number.number(i) == 1);
-        QCOMPARE(hiddenBy(test, *document), expected);
+        QCOMPARE(test.hidden(), expected);
         QVERIFY2(stateOf(dock).startsWith(QLocale(QLocale::English).toString(expected)), qPrintable(stateOf(dock)));
         QVERIFY(test.settle());
         QVERIFY(waitFor([&] { return difference(all, test.frame()->image) > 0.02; }));
@@ -104,7 +120,7 @@ private slots:
         QVERIFY(test.settle());
         expected = 0;
         for (PointIndex i = 0; i < document->points(); ++i) expected += document->cloud()->world(i).x < 636600;
-        QCOMPARE(hiddenBy(test, *document), expected);
+        QCOMPARE(test.hidden(), expected);
         QVERIFY(waitFor([&] { return difference(all, test.frame()->image) > 0.02; }));
         QTest::mouseClick(box, Qt::LeftButton, {}, QPoint(8, box->height() / 2));
         QVERIFY(test.settle());
@@ -116,7 +132,7 @@ private slots:
         QVERIFY(cut && uncut && !uncut->isEnabled());
         QTest::mouseClick(cut, Qt::LeftButton);
         QVERIFY(test.settle());
-        const PointIndex hidden = hiddenBy(test, *document);
+        const PointIndex hidden = test.hidden();
         QVERIFY(hidden > document->points() / 5 && hidden < document->points() * 4 / 5);
         QVERIFY(waitFor([&] { return difference(all, test.frame()->image) > 0.02; }));
         QTest::mouseClick(uncut, Qt::LeftButton);
@@ -128,12 +144,10 @@ private slots:
     {
         const QString file = dataFile(QStringLiteral("autzen_trim.laz"));
         if (file.isEmpty()) QSKIP("autzen_trim.laz is not here.");
-        TestWindow test;
-        Document* document = test.open(file);
-        QVERIFY(document && test.settle());
-        VisibilityDock& dock = test.window->visibilityDock();
-        dock.show();
-        dock.raise();
+        DockBench test;
+        QVERIFY(test.begin(file));
+        const Document* const document = test.document;
+        VisibilityDock& dock = test.dock();
         Viewport& view = test.window->viewport();
         const ClipFrame& frame = view.clipFrame();
         auto* least = find<QLineEdit>(dock, QStringLiteral("Least X"));
@@ -162,7 +176,7 @@ private slots:
         const double half = now().max.x;
         QVERIFY(half < whole.max.x - width / 8 && half > middle.x);
         QCOMPARE(most->text(), QString::number(half, 'f', 3));
-        QVERIFY(waitFor([&] { return hiddenBy(test, *document) > 0 && test.frame()->report.share == 1.0; }));
+        QVERIFY(waitFor([&] { return test.hidden() > 0 && test.frame()->report.share == 1.0; }));
         QTest::mouseMove(window, inWindow(from + by));
         QVERIFY(std::abs(now().max.x - middle.x) < width / 100);
         QCOMPARE(now().min, whole.min);
@@ -174,7 +188,7 @@ private slots:
         PointIndex expected = 0;
         for (PointIndex i = 0; i < document->points(); ++i)
             expected += document->cloud()->world(i).x > dragged.max.x;
-        QCOMPARE(hiddenBy(test, *document), expected);
+        QCOMPARE(test.hidden(), expected);
         // What the settings of now come to, and no older picture.
         const auto picture = [&] {
             std::atomic<bool> there = false;
