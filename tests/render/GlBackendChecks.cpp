@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
-#include <map>
 #include <set>
 #include <thread>
 
@@ -83,15 +82,11 @@ void GlBackendChecks::agreesWithTheCpuBackend()
     display.attribute = "Z";
     display.samples = samples;
     display.pointSize = size;
-    View reference(cpu(), {store}, camera, display);
-    View view(gl(), {store}, camera, display);
-    const Image expected = reference.bruteForce(), image = view.bruteForce();
-    const double covered = reference.renderer.coveredShare();
-    QVERIFY(covered > 0.05);
-    const double different = share(image, expected, covered);
-    qInfo("%s of the covered pixels differ", qPrintable(percent(different)));
-    QVERIFY(different <= m_tolerance.cpu);
-    QVERIFY(std::abs(view.renderer.coveredShare() - covered) <= 0.001);
+    BesideCpu both(gl(), {store}, camera, display);
+    QVERIFY(both.covered > 0.05);
+    qInfo("%s of the covered pixels differ", qPrintable(percent(both.different())));
+    QVERIFY(both.different() <= m_tolerance.cpu);
+    QVERIFY(std::abs(both.view.renderer.coveredShare() - both.covered) <= 0.001);
 }
 
 // Points whose middle lies outside the picture reach into it with their squares, on all four sides.
@@ -106,51 +101,22 @@ void GlBackendChecks::edgesOfThePictureAreComplete()
     for (const int samples : {1, 4}) {
         display.samples = samples;
         const auto store = filledStore(cloud);
-        View reference(cpu(), {store}, camera, display);
-        View view(gl(), {store}, camera, display);
-        const Image expected = reference.bruteForce(), image = view.bruteForce();
-        QVERIFY(reference.renderer.coveredShare() > 0.3);
-        QVERIFY(share(image, expected, reference.renderer.coveredShare()) <= 0.01);
+        const BesideCpu both(gl(), {store}, camera, display);
+        QVERIFY(both.covered > 0.3);
+        QVERIFY(both.different() <= 0.01);
         int border = 0, covered = 0;
         for (int y = 0; y < kHeight; ++y)
             for (const int x : {0, kWidth - 1}) {
-                border += !(image.at(x, y) == expected.at(x, y));
+                border += !(both.image.at(x, y) == both.expected.at(x, y));
                 ++covered;
             }
         for (int x = 0; x < kWidth; ++x)
             for (const int y : {0, kHeight - 1}) {
-                border += !(image.at(x, y) == expected.at(x, y));
+                border += !(both.image.at(x, y) == both.expected.at(x, y));
                 ++covered;
             }
         QVERIFY2(border <= covered / 50, qPrintable(QString::number(border)));
     }
-}
-
-// One millimetre tells two points apart at 10 km, near a coordinate origin far away, in both kinds of view.
-void GlBackendChecks::depthsKeepTheirDigits()
-{
-    auto cloud = makeCloud(2, {glm::dvec3(0.001), glm::dvec3(4e6, 5e6, 0)});
-    const auto x = cloud->columns()[0]->values<std::int32_t>(), y = cloud->columns()[1]->values<std::int32_t>(),
-               z = cloud->columns()[2]->values<std::int32_t>();
-    for (int k = 0; k < 2; ++k) x[std::size_t(k)] = 70'000, y[std::size_t(k)] = 80'000;
-    for (const bool orthographic : {false, true})
-        for (const std::size_t upper : {std::size_t(0), std::size_t(1)}) {
-            z[upper] = 2;
-            z[1 - upper] = 0;
-            const auto store = filledStore(cloud);
-            Camera camera;
-            camera.setView("top");
-            camera.orthographic = orthographic;
-            camera.pivot = cloud->world(0) + glm::dvec3(1, 1, 0);  // off the seam between the middle pixels
-            camera.eye = camera.pivot + glm::dvec3(0, 0, 1000);
-            View view(gl(), {store}, camera, {});
-            view.bruteForce();
-            const auto hit = view.renderer.pick(kWidth / 2, kHeight / 2, 3);
-            QVERIFY(hit);
-            QCOMPARE(hit->index, PointIndex(upper));
-            const auto raw = view.renderer.backend().pick(kWidth / 2, kHeight / 2, 3);
-            if (!orthographic) QVERIFY(std::abs(double(raw->depth) - 1000) < 0.01);
-        }
 }
 
 void GlBackendChecks::convergedEqualsBruteForce_data()
@@ -348,123 +314,6 @@ void GlBackendChecks::hiddenClassesVanishAndComeBack()
     QVERIFY(share(view.renderer.image(), all, view.renderer.coveredShare()) <= 0.001);
 }
 
-void GlBackendChecks::attributeSwitchShowsAtOnce()
-{
-    // 11 blocks of words: more than one frame brings over, so that the visible points' go first.
-    const auto cloud = makeCloud(700'000);
-    const auto store = filledStore(cloud);
-    const GlLimits limits{.blocksAFrame = 3};
-    const Camera camera = cameraFor(*cloud);
-    DisplaySettings display;
-    display.samples = 4;
-    View view(gl(limits), {store}, camera, display);
-    view.bruteForce();
-    for (const char* name : {"Classification", "GpsTime", "RGB"}) {
-        display.attribute = name;
-        view.renderer.setDisplay(display);
-        view.renderer.renderFrame(0.0);
-        const Image first = view.renderer.image();
-        View reference(cpu(), {store}, camera, display);
-        const Image expected = reference.bruteForce();
-        QVERIFY2(share(first, expected, reference.renderer.coveredShare()) <= 0.01, name);
-    }
-}
-
-// After a switch every point has its new word, those too that nobody saw when it happened.
-void GlBackendChecks::wordsOfAllPointsFollow()
-{
-    const auto cloud = makeCloud(700'000);
-    const auto store = filledStore(cloud);
-    Camera camera = cameraFor(*cloud);
-    const Camera home = camera;
-    DisplaySettings display;
-    View view(gl({.blocksAFrame = 1}), {store}, home, display);
-    view.bruteForce();
-    camera.zoomTowards(camera.pivot, 0.01);  // next to nothing is visible
-    view.renderer.setCamera(camera);
-    view.renderer.renderBruteForce();
-    display.attribute = "Intensity";
-    view.renderer.setDisplay(display);
-    for (int k = 0; k < 200 && store->stale(); ++k) view.renderer.renderFrame(0.01);
-    QVERIFY(!store->stale());
-    view.renderer.setCamera(home);
-    view.converge();
-    const Image image = view.renderer.image();
-    View reference(cpu(), {store}, home, display);
-    const Image expected = reference.bruteForce();
-    QVERIFY(share(image, expected, reference.renderer.coveredShare()) <= 0.01);
-}
-
-void GlBackendChecks::editsShowInTheNextFrame()
-{
-    const auto cloud = makeCloud(300'000);
-    const auto store = filledStore(cloud);
-    DisplaySettings display;
-    display.attribute = "Classification";
-    View view(gl(), {store}, cameraFor(*cloud), display);
-    view.converge();
-    const Image before = view.renderer.image();
-    const auto setAll = [&](std::uint8_t from, std::uint8_t to) {
-        const auto points = reclassify(*cloud, from, to);
-        view.renderer.valuesChanged(*cloud, {ChangeNotice::Kind::Values, {"Classification"}, points});
-        view.renderer.renderFrame(0.0);
-    };
-    setAll(2, 11);
-    const auto count = [&](std::size_t code) {
-        const auto& pixels = view.renderer.image().pixels;
-        return std::count(pixels.begin(), pixels.end(), display.palette[code]);
-    };
-    QCOMPARE(count(2), 0);
-    QVERIFY(count(11) > 1000);
-    setAll(11, 2);
-    QCOMPARE(differing(view.renderer.image(), before), 0);
-}
-
-// Every kind of word through both resolves: the same ids get the same colours, so that only a scalar on the rim of
-// two entries of the colour map may differ, by that one entry.
-void GlBackendChecks::colorsAreThoseOfTheCpuBackend()
-{
-    const auto cloud = makeCloud(1000);
-    // One point to each of 1000 px: nobody is hidden, and no edge matters.
-    const auto x = cloud->columns()[0]->values<std::int32_t>(), y = cloud->columns()[1]->values<std::int32_t>(),
-               z = cloud->columns()[2]->values<std::int32_t>();
-    for (std::size_t i = 0; i < 1000; ++i) {
-        x[i] = std::int32_t(i % 40) * 1000;
-        y[i] = std::int32_t(i / 40) * 1000;
-        z[i] = 5;
-    }
-    const auto classes = cloud->findAttribute("Classification")->columns[0]->values<std::uint8_t>();
-    for (std::size_t i = 0; i < 1000; ++i) classes[i] = std::uint8_t(i);
-    Attribute category = *cloud->findAttribute("Intensity");
-    category.name = "Id";
-    category.kind = AttributeKind::Category;
-    cloud->addAttribute(category);
-    Camera camera = cameraFor(*cloud);
-    camera.setView("top");
-    camera.pan({0.3, 0.2}, kHeight);  // the middle row off the seam between two rows of pixels
-    for (const int samples : {1, 4})
-        for (const char* name : {"Id", "Classification", "RGB", "Intensity", "GpsTime"}) {
-            const auto store = filledStore(cloud);
-            DisplaySettings display;
-            display.attribute = name;
-            display.samples = samples;
-            display.backgroundTop = {10, 20, 30, 0};
-            display.backgroundBottom = {200, 100, 0, 255};
-            View view(gl(), {store}, camera, display);
-            View reference(cpu(), {store}, camera, display);
-            const Image image = view.bruteForce(), expected = reference.bruteForce();
-            int bad = 0;
-            for (std::size_t k = 0; k < image.pixels.size(); ++k) {
-                const Rgba8 a = image.pixels[k], b = expected.pixels[k];
-                const int most =
-                    std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b), std::abs(a.a - b.a)});
-                bad +=
-                    most > (std::string_view(name) == "Intensity" || std::string_view(name) == "GpsTime" ? 8 : 0);
-            }
-            QVERIFY2(bad == 0, qPrintable(QString("%1, %2 samples: %3").arg(name).arg(samples).arg(bad)));
-        }
-}
-
 void GlBackendChecks::convergesWhileLoading()
 {
     const auto cloud = makeCloud(600'000);
@@ -567,99 +416,6 @@ void GlBackendChecks::otherStoresAtTheSameAddressAreSeen()
     view.add(store);
     QVERIFY(share(view.bruteForce(), expected, reference.renderer.coveredShare()) <= 0.01);
     view.renderer.removeCloud(*other);
-}
-
-// While a file loads, what has been drawn has its colours, although blocks change faster than they are sent whole.
-void GlBackendChecks::colorsAreRightWhileLoading()
-{
-    const auto cloud = cloudNamed("synthetic");
-    const auto store = std::make_shared<PointStore>(cloud, cloud->computeBounds());
-    store->fill({0, cloud->size() / 2});
-    const Camera camera = cameraFor(*cloud);
-    DisplaySettings display;
-    display.attribute = "Intensity";
-    display.range = {{0.0, 3000.0}};
-    const auto begin = [&](ProgressiveRenderer& renderer) {
-        renderer.setSize(kWidth, kHeight);
-        renderer.setCamera(camera);
-        renderer.setDisplay(display);
-        renderer.addCloud(store);
-        renderer.renderFrame(5.0);  // all there is, in one frame
-    };
-    ProgressiveRenderer reference(cpu()), renderer(gl({.blocksAFrame = 1}));
-    begin(reference);
-    begin(renderer);
-    const double covered = reference.coveredShare();
-    QVERIFY(share(renderer.image(), reference.image(), covered) <= 0.01);
-    // And right after a switch in the middle of loading.
-    display.attribute = "Classification";
-    for (ProgressiveRenderer* r : {&reference, &renderer}) {
-        r->setDisplay(display);
-        r->renderFrame(5.0);
-    }
-    QVERIFY(share(renderer.image(), reference.image(), covered) <= 0.01);
-}
-
-void GlBackendChecks::picksWhatIsOnScreen()
-{
-    const auto cloud = cloudNamed("synthetic");
-    const auto store = filledStore(cloud);
-    for (const int samples : {1, 4}) {
-        DisplaySettings display;
-        display.samples = samples;
-        View view(gl(), {store}, cameraFor(*cloud), display);
-        View reference(cpu(), {store}, cameraFor(*cloud), display);
-        view.bruteForce();
-        reference.bruteForce();
-        int hits = 0, same = 0;
-        for (int y = 5; y < kHeight; y += 13)
-            for (int x = 5; x < kWidth; x += 17) {
-                const auto a = view.renderer.backend().pick(x, y, 3),
-                           b = reference.renderer.backend().pick(x, y, 3);
-                hits += bool(b);
-                same += a && b && a->id == b->id && std::abs(a->depth - b->depth) < 1e-4f * b->depth;
-            }
-        QVERIFY(hits > 50);
-        QVERIFY2(same >= hits * 98 / 100, qPrintable(QString("%1 of %2").arg(same).arg(hits)));
-        std::vector<float> depths, expected;
-        view.renderer.backend().depths(depths);
-        reference.renderer.backend().depths(expected);
-        QCOMPARE(depths.size(), expected.size());
-        std::size_t unlike = 0;
-        for (std::size_t k = 0; k < depths.size(); ++k)
-            unlike += !(depths[k] == expected[k] || std::abs(depths[k] - expected[k]) < 1e-4f * expected[k]);
-        QVERIFY2(unlike * 50 <= depths.size(), qPrintable(QString::number(unlike)));
-        QVERIFY(!view.renderer.backend().pick(-100, -100, 3));
-        QVERIFY(!view.renderer.backend().pick(kWidth + 50, 10, 3));
-    }
-}
-
-void GlBackendChecks::listsEachVisiblePoint()
-{
-    const auto cloud = makeCloud(5000);  // few, so that squares are seen whole
-    const auto store = filledStore(cloud);
-    for (const int samples : {1, 4}) {
-        DisplaySettings display;
-        display.samples = samples;
-        display.pointSize = 4;
-        View view(gl(), {store}, cameraFor(*cloud), display);
-        View reference(cpu(), {store}, cameraFor(*cloud), display);
-        view.bruteForce();
-        reference.bruteForce();
-        std::vector<PointId> a, b, both;
-        view.renderer.backend().visibleIds(a);
-        reference.renderer.backend().visibleIds(b);
-        const std::size_t listed = a.size();
-        for (auto* ids : {&a, &b}) {
-            std::sort(ids->begin(), ids->end());
-            ids->erase(std::unique(ids->begin(), ids->end()), ids->end());
-        }
-        std::set_symmetric_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
-        QVERIFY(b.size() > 1000);
-        // A point shows in up to 25 px, of 4 samples each; it is named again only where its square is in pieces.
-        QVERIFY2(listed <= a.size() * 5 / 4, qPrintable(QString("%1 of %2").arg(listed).arg(a.size())));
-        QVERIFY2(both.size() <= b.size() / 100, qPrintable(QString("%1 of %2").arg(both.size()).arg(b.size())));
-    }
 }
 
 void GlBackendChecks::impossibleSizesAreErrors()

@@ -51,17 +51,12 @@ void GlBackendChecks::stylesAgreeWithTheCpuBackend()
     display.spacings = 1.5;
     display.round = round;
     display.averaged = averaged;
-    const Camera camera = cameraFor(*cloud);
-    View reference(cpu(), {store}, camera, display);
-    View view(gl(), {store}, camera, display);
-    const Image expected = reference.bruteForce(), image = view.bruteForce();
-    const double covered = reference.renderer.coveredShare();
-    QVERIFY(covered > 0.05);
-    const double different = share(image, expected, covered);
-    qInfo("%s of the covered pixels differ", qPrintable(percent(different)));
-    QVERIFY(different <= (averaged ? std::max(m_tolerance.cpu, kAveraged) : m_tolerance.cpu));
-    view.converge();
-    QVERIFY(share(view.renderer.image(), image, covered) <= m_tolerance.converged);
+    BesideCpu both(gl(), {store}, cameraFor(*cloud), display);
+    QVERIFY(both.covered > 0.05);
+    qInfo("%s of the covered pixels differ", qPrintable(percent(both.different())));
+    QVERIFY(both.different() <= (averaged ? std::max(m_tolerance.cpu, kAveraged) : m_tolerance.cpu));
+    both.view.converge();
+    QVERIFY(share(both.view.renderer.image(), both.image, both.covered) <= m_tolerance.converged);
 }
 
 // Mean colors are there once all is drawn, are those of the attribute shown, and leave with the style.

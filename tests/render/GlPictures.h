@@ -51,6 +51,24 @@ inline double share(const Image& image, View& reference)
     return share(image, expected, reference.renderer.coveredShare());
 }
 
+/// One picture of all points by the processor and by another backend.
+struct BesideCpu {
+    View reference, view;
+    Image expected, image;
+    double covered;
+
+    BesideCpu(std::unique_ptr<RasterBackend> backend, const std::vector<std::shared_ptr<PointStore>>& stores,
+              const Camera& camera, const DisplaySettings& display)
+        : reference(cpu(), stores, camera, display),
+          view(std::move(backend), stores, camera, display),
+          expected(reference.bruteForce()),
+          image(view.bruteForce()),
+          covered(reference.renderer.coveredShare())
+    {
+    }
+    double different() const { return share(image, expected, covered); }
+};
+
 inline QString percent(double value)
 {
     return QString::number(100 * value, 'f', 3) + " %";
