@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "ui/MainWindow.h"
 
-#include "core/Error.h"
-#include "core/task/Progress.h"
 #include "ui/ClipFrame.h"
+#include "ui/Framing.h"
 #include "ui/HelpPages.h"
 #include "ui/MainMenu.h"
 #include "ui/MessageArea.h"
@@ -47,40 +46,11 @@
 #include <QSplitter>
 #include <QStatusBar>
 
-#include <glm/geometric.hpp>
-
 #include <algorithm>
 #include <cmath>
 
 namespace punctum::ui
 {
-
-namespace
-{
-
-constexpr double kNeighbors = 20.0;  // times the largest file's extent
-constexpr double kSpeck = 8.0;       // px: what is smaller cannot be seen
-
-MainWindow::Unsaved askInBox(QWidget* parent, const QString& name)
-{
-    QMessageBox box(parent);
-    box.setIcon(QMessageBox::Question);
-    box.setWindowTitle(QObject::tr("Unsaved changes"));
-    box.setText(QObject::tr("%1 has unsaved changes.").arg(name));
-    box.setInformativeText(QObject::tr("Without saving they are lost."));
-    box.setStandardButtons(QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel);
-    box.setDefaultButton(QMessageBox::Save);
-    switch (box.exec()) {
-        case QMessageBox::Save:
-            return MainWindow::Unsaved::Save;
-        case QMessageBox::Discard:
-            return MainWindow::Unsaved::Discard;
-        default:
-            return MainWindow::Unsaved::Cancel;
-    }
-}
-
-}  // namespace
 
 MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     : QMainWindow(parent),
@@ -93,7 +63,7 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     setWindowIcon(programIcon());
     setDockOptions(AnimatedDocks | AllowTabbedDocks | AllowNestedDocks);
     setTabPosition(Qt::AllDockWidgetAreas, QTabWidget::North);
-    askUnsaved = [this](const QString& name) { return askInBox(this, name); };
+    askUnsaved = [this](const QString& name) { return askAboutUnsaved(this, name); };
     m_workspace->askQuestion = [this](const Question& question, std::function<void(bool)> answer) {
         punctum::ui::askQuestion(this, question, std::move(answer));
     };
@@ -110,6 +80,7 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     views->addWidget(m_viewport);
     views->setCollapsible(0, false);
     setCentralWidget(views);
+    m_framing = new Framing(*m_workspace, *m_viewport, this);
     m_filter = new ViewFilter(*m_workspace, *m_renderer, *m_view, this);
     m_selection = new Selection(*m_workspace, *m_renderer, *m_view, *m_filter, this);
     m_selectTools = new SelectTools(*m_viewport, *m_selection, this);
@@ -214,10 +185,7 @@ void MainWindow::connectParts()
     connect(m_workspace, &Workspace::documentAdded, this, &MainWindow::documentAdded);
     connect(m_workspace, &Workspace::documentLoaded, this, &MainWindow::documentLoaded);
     connect(m_workspace, &Workspace::documentRemoved, this, &MainWindow::documentRemoved);
-    connect(m_workspace, &Workspace::documentStateChanged, this, [this] {
-        updateSceneBounds();
-        updateTitle();
-    });
+    connect(m_workspace, &Workspace::documentStateChanged, this, [this] { updateTitle(); });
     connect(m_workspace, &Workspace::message, this,
             [this](MessageKind kind, const QString& text, const QString& details) {
                 m_viewport->messages().add(kind, text, details);
@@ -288,75 +256,28 @@ void MainWindow::openFiles(const QStringList& files)
     for (const QString& file : files) m_workspace->open(file);
 }
 
-void MainWindow::updateSceneBounds()
-{
-    WorldBounds all;
-    for (const Document* document : m_workspace->documents()) all.include(document->bounds());
-    const auto& documents = m_workspace->documents();
-    m_viewport->setSceneBounds(all, documents.empty() ? glm::dvec3(1.0) : documents.front()->viewStretch(all));
-}
-
-void MainWindow::fitFor(const Document& document)
-{
-    // Neighbors are shown together; of surveys far apart the new one, because both would be specks.
-    WorldBounds all = document.bounds();
-    double largest = 0.0;
-    for (const Document* other : m_workspace->documents()) {
-        all.include(other->bounds());
-        if (!other->bounds().empty())
-            largest = std::max(largest, glm::length(other->bounds().max - other->bounds().min));
-    }
-    const bool together = all.empty() || glm::length(all.max - all.min) <= kNeighbors * largest;
-    m_viewport->fitTo(together ? all : document.bounds(), false);
-}
-
-bool MainWindow::showsAnything() const
-{
-    const QSize size = m_viewport->pictureSize();
-    const auto& documents = m_workspace->documents();
-    return std::any_of(documents.begin(), documents.end(), [&](const Document* document) {
-        return m_viewport->camera().seenSize(document->bounds(), {size.width(), size.height()}) >= kSpeck;
-    });
-}
-
-void MainWindow::fitActive()
-{
-    if (const Document* active = m_workspace->active()) m_viewport->fitTo(active->bounds());
-}
-
 void MainWindow::documentAdded(Document* document)
 {
-    m_camerasBefore[document] = {m_viewport->camera(), m_viewport->userMoves()};
-    updateSceneBounds();
-    fitFor(*document);
     m_renderer->addCloud(document->data()->store);
     updateTitle();
 }
 
 void MainWindow::documentLoaded(Document* document)
 {
-    updateSceneBounds();
-    // The header's box was only a first idea; but a view that the user has turned is the user's.
-    if (m_camerasBefore[document].second == m_viewport->userMoves()) fitFor(*document);
-    m_camerasBefore.erase(document);
     m_renderer->loadingEnded(document->cloud(), document->rawBounds());
     rememberFile(document->path());
     updateTitle();
 }
 
-void MainWindow::documentRemoved(Document* document, bool openingFailed)
+void MainWindow::documentRemoved(Document* document)
 {
     m_renderer->removeCloud(document->cloud());
-    updateSceneBounds();
-    const auto before = m_camerasBefore.find(document);
-    if (before != m_camerasBefore.end()) {
-        if (openingFailed && before->second.second == m_viewport->userMoves())
-            m_viewport->setCamera(before->second.first);
-        m_camerasBefore.erase(before);
-    }
-    // Of files far apart the one that was looked at may be gone.
-    if (m_workspace->active() && !showsAnything()) fitFor(*m_workspace->active());
     updateTitle();
+}
+
+void MainWindow::fitActive()
+{
+    m_framing->fitActive();
 }
 
 void MainWindow::updateTitle()
@@ -420,11 +341,11 @@ bool MainWindow::confirmClose(Document& document, std::function<void()> afterSav
     if (!document.modified()) return true;
     m_workspace->setActive(&document);
     switch (askUnsaved(document.name())) {
-        case Unsaved::Discard:
+        case UnsavedAnswer::Discard:
             return true;
-        case Unsaved::Cancel:
+        case UnsavedAnswer::Cancel:
             return false;
-        case Unsaved::Save:
+        case UnsavedAnswer::Save:
             break;
     }
     if (document.recovered()) {
@@ -492,20 +413,7 @@ void MainWindow::stepAttribute(int direction)
 
 void MainWindow::showReadOut(const std::optional<PickedPoint>& point)
 {
-    if (!point) {
-        m_readOut->clear();
-        return;
-    }
-    const glm::dvec3 scale = point->cloud->coordinates().scale;
-    QString text = QStringLiteral("x %1   y %2   z %3")
-                       .arg(coordinateText(point->world.x, scale.x), coordinateText(point->world.y, scale.y),
-                            coordinateText(point->world.z, scale.z));
-    if (point->classCode) text += QStringLiteral("   ·   ") + classText(*point->classCode);
-    static const QStringList told{QStringLiteral("X"), QStringLiteral("Y"), QStringLiteral("Z"),
-                                  QStringLiteral("Classification")};
-    if (!point->value.isEmpty() && !told.contains(point->attribute))
-        text += QStringLiteral("   ·   %1 %2").arg(point->attribute, point->value);
-    m_readOut->setText(text);
+    m_readOut->setText(point ? readOutText(*point) : QString());
 }
 
 void MainWindow::showViewState()
@@ -536,20 +444,9 @@ void MainWindow::exportScreenshotTo(const QString& path)
 {
     const QString name = QFileInfo(path).fileName();
     const bool section = sectionHasKeys();
-    const auto picture = std::make_shared<ScreenshotPicture>();
-    Viewport& view = section ? m_sections->viewport() : *m_viewport;
-    view.renderer().capture(m_transparentScreenshots, [picture](std::shared_ptr<const render::Image> image) {
-        picture->deliver(std::move(image));
-    });
-    m_workspace->startJob(
-        tr("Export %1").arg(name),
-        [picture, path](Progress& progress) { writeScreenshot(*picture, path, progress); },
-        [this, name, section](const JobInfo& info) {
-            if (info.state == JobState::Failed) m_workspace->say(MessageKind::Error, toQString(info.error));
-            if (info.state == JobState::Finished)
-                m_workspace->say(MessageKind::Info,
-                                 section ? tr("Saved the section as %1.").arg(name) : tr("Saved %1.").arg(name));
-        });
+    saveScreenshot(*m_workspace, (section ? m_sections->viewport() : *m_viewport).renderer(), path,
+                                  m_transparentScreenshots,
+                                  section ? tr("Saved the section as %1.").arg(name) : tr("Saved %1.").arg(name));
 }
 
 bool MainWindow::sectionHasKeys() const

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "render/camera/Camera.h"
 #include "render/raster/Backend.h"
+#include "ui/SaveDialogs.h"
 #include "ui/style/Theme.h"
 
 #include <QMainWindow>
 #include <QStringList>
 
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
-#include <utility>
 
 class QApplication;
 class QLabel;
@@ -23,6 +21,7 @@ namespace punctum::ui
 class AttributesDock;
 class ClassesDock;
 class Document;
+class Framing;
 class JobsDock;
 class MainMenu;
 class MeasureDock;
@@ -69,9 +68,6 @@ class MainWindow final : public QMainWindow
 {
     Q_OBJECT
 public:
-    /// What to do with a document that has unsaved changes and is to be closed.
-    enum class Unsaved { Save, Discard, Cancel };
-
     explicit MainWindow(const WindowOptions& options = {}, QWidget* parent = nullptr);
     ~MainWindow() override;
 
@@ -103,7 +99,7 @@ public:
     void focusView();
 
     /// Asks about unsaved changes; replaced by tests. The default shows a message box.
-    std::function<Unsaved(const QString& fileName)> askUnsaved;
+    std::function<UnsavedAnswer(const QString& fileName)> askUnsaved;
 
 public slots:
     void chooseFiles();
@@ -131,12 +127,9 @@ private:
     void connectParts();
     void addDocks();
     void updateTitle();
-    void updateSceneBounds();
-    void fitFor(const Document& document);
-    bool showsAnything() const;
     void documentAdded(Document* document);
     void documentLoaded(Document* document);
-    void documentRemoved(Document* document, bool openingFailed);
+    void documentRemoved(Document* document);
     void showReadOut(const std::optional<PickedPoint>& point);
     void showViewState();
     void setBackend(render::BackendKind kind);
@@ -152,6 +145,7 @@ private:
     ViewSettings* m_view = nullptr;
     ViewRenderer* m_renderer = nullptr;
     Viewport* m_viewport = nullptr;
+    Framing* m_framing = nullptr;
     AttributesDock* m_attributes = nullptr;
     ClassesDock* m_classes = nullptr;
     ProcessingDock* m_processing = nullptr;
@@ -173,8 +167,6 @@ private:
     QLabel* m_viewState = nullptr;
     QLabel* m_backend = nullptr;
     bool m_transparentScreenshots = false;
-    /// Where the camera was before a file began to open, in case that fails; and how often the user had moved it.
-    std::map<Document*, std::pair<render::Camera, std::uint64_t>> m_camerasBefore;
 };
 
 /// Shows the window with these files and runs the event loop; the exit code of the program.

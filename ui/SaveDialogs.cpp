@@ -76,4 +76,23 @@ void askBeforeSaving(QWidget* parent, const QString& name, const QString& what, 
                 std::move(then));
 }
 
+UnsavedAnswer askAboutUnsaved(QWidget* parent, const QString& name)
+{
+    QMessageBox box(parent);
+    box.setIcon(QMessageBox::Question);
+    box.setWindowTitle(QObject::tr("Unsaved changes"));
+    box.setText(QObject::tr("%1 has unsaved changes.").arg(name));
+    box.setInformativeText(QObject::tr("Without saving they are lost."));
+    box.setStandardButtons(QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel);
+    box.setDefaultButton(QMessageBox::Save);
+    switch (box.exec()) {
+        case QMessageBox::Save:
+            return UnsavedAnswer::Save;
+        case QMessageBox::Discard:
+            return UnsavedAnswer::Discard;
+        default:
+            return UnsavedAnswer::Cancel;
+    }
+}
+
 }  // namespace punctum::ui

@@ -14,6 +14,11 @@ void showReport(QWidget* parent, const QString& title, const QString& text);
 /// Asks; returns at once, and calls `then` with the answer. GUI thread.
 void askQuestion(QWidget* parent, const Question& question, std::function<void(bool)> then);
 
+/// What to do with a file that has unsaved changes and is to be closed.
+enum class UnsavedAnswer { Save, Discard, Cancel };
+/// Waits for the answer. GUI thread.
+UnsavedAnswer askAboutUnsaved(QWidget* parent, const QString& name);
+
 /// Asks whether to save `name` although something is left out or upgraded; returns at once, and calls `then` with
 /// the answer. GUI thread.
 void askBeforeSaving(QWidget* parent, const QString& name, const QString& what, std::function<void(bool)> then);

@@ -2,6 +2,7 @@
 #include "ui/Text.h"
 
 #include "render/color/ColorMap.h"
+#include "ui/ViewRenderer.h"
 
 #include <QFile>
 #include <QLocale>
@@ -86,6 +87,20 @@ QString classText(unsigned code)
     const QString name = code < 256 ? toQString(render::asprsClasses()[code].name) : QString();
     return name.isEmpty() || name.startsWith(QLatin1String("Class ")) ? QStringLiteral("%1 User defined").arg(code)
                                                                       : QStringLiteral("%1 %2").arg(code).arg(name);
+}
+
+QString readOutText(const PickedPoint& point)
+{
+    const glm::dvec3 scale = point.cloud->coordinates().scale;
+    QString text = QStringLiteral("x %1   y %2   z %3")
+                       .arg(coordinateText(point.world.x, scale.x), coordinateText(point.world.y, scale.y),
+                            coordinateText(point.world.z, scale.z));
+    if (point.classCode) text += QStringLiteral("   ·   ") + classText(*point.classCode);
+    static const QStringList told{QStringLiteral("X"), QStringLiteral("Y"), QStringLiteral("Z"),
+                                  QStringLiteral("Classification")};
+    if (!point.value.isEmpty() && !told.contains(point.attribute))
+        text += QStringLiteral("   ·   %1 %2").arg(point.attribute, point.value);
+    return text;
 }
 
 }  // namespace punctum::ui

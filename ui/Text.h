@@ -12,6 +12,8 @@
 namespace punctum::ui
 {
 
+struct PickedPoint;
+
 /// Numbers and names as the window shows them. Any thread.
 
 /// "1,204": whole numbers with separators.
@@ -40,5 +42,7 @@ inline QString toQString(const std::string& text)
 
 /// "6 Building".
 QString classText(unsigned code);
+/// What the status bar says of the point under the cursor: its place, class, and value of what is shown.
+QString readOutText(const PickedPoint& point);
 
 }  // namespace punctum::ui

@@ -6,15 +6,13 @@
 #include "render/raster/BackendChoice.h"
 #include "render/store/PointStore.h"
 #include "ui/Text.h"
+#include "ui/ViewPicture.h"
 
 #include <QPointer>
-
-#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <chrono>
 #include <future>
-#include <shared_mutex>
 
 namespace punctum::ui
 {
@@ -29,113 +27,22 @@ constexpr std::chrono::seconds kQuiet(3);
 
 using StoreChange = render::ProgressiveRenderer::StoreChange;
 
-QString pickedValue(const Attribute& attribute, PointIndex index)
-{
-    QStringList parts;
-    for (std::uint32_t c = 0; c < attribute.components; ++c)
-        parts << (attribute.kind == AttributeKind::Vector ? QString::number(attribute.number(index, c), 'f', 3)
-                                                          : valueText(attribute.value(index, c)));
-    return parts.join(QStringLiteral(", "));
-}
-
 }  // namespace
-
-/// Frames that nobody looks at any more, to be filled again: a picture is some megabytes, sixty times a second.
-struct ViewRenderer::Pool {
-    std::mutex mutex;
-    std::vector<std::unique_ptr<Frame>> free;
-
-    static std::shared_ptr<Frame> take(const std::shared_ptr<Pool>& pool)
-    {
-        std::unique_ptr<Frame> frame;
-        {
-            const std::lock_guard lock(pool->mutex);
-            if (!pool->free.empty()) {
-                frame = std::move(pool->free.back());
-                pool->free.pop_back();
-            }
-        }
-        if (!frame) frame = std::make_unique<Frame>();
-        return {frame.release(), [pool](Frame* used) {
-                    std::unique_ptr<Frame> back(used);
-                    const std::lock_guard lock(pool->mutex);
-                    if (pool->free.size() < 3) pool->free.push_back(std::move(back));
-                }};
-    }
-};
-
-/// One view, as the render thread knows it.
-struct ViewRenderer::Picture {
-    struct Capture {
-        bool transparent = false;
-        CaptureDone done;
-    };
-    struct Snapshot {
-        std::shared_ptr<const PointCloud> cloud;
-        std::function<void(std::shared_ptr<const ViewSnapshot>)> done;
-    };
-
-    ViewRenderer* view = nullptr;
-    std::unique_ptr<render::ProgressiveRenderer> renderer;  ///< null while the view is off
-    std::vector<Capture> captures;
-    std::vector<Snapshot> snapshots;
-    Wish known;           ///< the newest of each
-    bool fresh = false;   ///< the renderer was told nothing of what is known
-    bool dirty = false;   ///< something changed what is to be seen
-    bool broken = false;  ///< the backend failed; wait for a change
-    std::uint64_t frames = 0;
-    std::optional<QString> failure;  ///< what happened in attempt(), until it is settled
-
-    /// Whatever goes wrong is this view's failure.
-    template <typename Work>
-    void attempt(Work work)
-    {
-        try {
-            work();
-        } catch (const std::exception& e) {
-            failure = QString::fromLocal8Bit(e.what());
-        }
-    }
-    void apply(const Wish& wish)
-    {
-        if (wish.size) renderer->setSize(wish.size->first, wish.size->second);
-        if (wish.camera) renderer->setCamera(*wish.camera);
-        if (wish.display) renderer->setDisplay(*wish.display);
-        dirty = true;
-    }
-    bool finished() const { return broken || !renderer || (!dirty && renderer->converged()); }
-    /// While files load, there may be more to draw at any time.
-    bool wantsFrame(bool loading) const { return !finished() || (loading && renderer && !broken); }
-    void refuse()
-    {
-        for (const Snapshot& wanted : std::exchange(snapshots, {})) wanted.done(nullptr);
-        for (const Capture& wanted : std::exchange(captures, {})) wanted.done(nullptr);
-    }
-};
 
 /// What only the render thread touches.
 struct ViewRenderer::Thread {
-    struct Cloud {
-        std::shared_ptr<render::PointStore> store;
-        bool loading = true;
-    };
-
     // Before the pictures: the first one's backend needs it to the end. Empty on the CPU.
     render::EglContext context;
-    std::vector<std::unique_ptr<Picture>> pictures;  ///< the first view's first
+    std::vector<std::unique_ptr<ViewPicture>> pictures;  ///< the first view's first
     render::BackendKind kind = render::BackendKind::Cpu;
     FastestBackend fastest;
     std::optional<render::BackendKind> chosen;              ///< by the user; none: the fastest
     render::BackendKind wanted = render::BackendKind::Cpu;  ///< what applyChoice() asked for; `kind` draws
     bool measured = false;                                  ///< `fastest` is known to be of this machine
-    std::vector<Cloud> clouds;                              ///< in the renderers' order
-    double budget = 0.0166;                                 ///< s: sixty pictures a second
+    std::vector<DrawnCloud> clouds;
+    double budget = 0.0166;  ///< s: sixty pictures a second
 
-    Picture& first() { return *pictures.front(); }
-    bool loading() const
-    {
-        return std::any_of(clouds.begin(), clouds.end(), [](const Cloud& c) { return c.loading; });
-    }
+    ViewPicture& first() { return *pictures.front(); }
     /// Calls change(renderer) for all that draw, and has their pictures made anew.
     template <typename Change>
     void forAll(Change change)
@@ -155,30 +62,20 @@ struct ViewRenderer::Thread {
             if (&renderer != first().renderer.get()) renderer.storesChanged(what);
         });
     }
-    ~Thread()
-    {
-        for (const auto& picture : pictures) picture->refuse();
-    }
 };
 
 ViewRenderer::ViewRenderer(std::optional<render::BackendKind> backend, FastestBackend fastest, QObject* parent)
-    : QObject(parent),
-      m_first(*this),
-      m_pool(std::make_shared<Pool>()),
-      m_views{this},
-      m_thread([this, backend, fastest = std::move(fastest)] { run(backend, fastest); })
+    : QObject(parent), m_first(*this), m_views{this}, m_thread([this, backend, fastest = std::move(fastest)] {
+          run(backend, fastest);
+      })
 {
 }
 
-ViewRenderer::ViewRenderer(ViewRenderer& first, QObject* parent)
-    : QObject(parent), m_first(first), m_pool(std::make_shared<Pool>()), m_on(false)
+ViewRenderer::ViewRenderer(ViewRenderer& first, QObject* parent) : QObject(parent), m_first(first), m_on(false)
 {
     const std::lock_guard lock(m_first.m_mutex);
     m_first.m_views.push_back(this);
-    m_first.m_commands.push_back({&m_first, [this](Thread& thread) {
-                                      thread.pictures.push_back(std::make_unique<Picture>());
-                                      thread.pictures.back()->view = this;
-                                  }});
+    m_first.m_commands.push_back({&m_first, [this](Thread& thread) { thread.pictures.push_back(makePicture()); }});
 }
 
 ViewRenderer::~ViewRenderer()
@@ -199,8 +96,7 @@ ViewRenderer::~ViewRenderer()
     }
     m_first.post([this, forgotten](Thread& thread) {
         const auto own = std::find_if(thread.pictures.begin(), thread.pictures.end(),
-                                      [this](const auto& picture) { return picture->view == this; });
-        (*own)->refuse();
+                                      [this](const auto& picture) { return picture->view() == this; });
         thread.pictures.erase(own);
         forgotten->set_value();
     });
@@ -237,9 +133,9 @@ void ViewRenderer::setOn(bool on)
         if (!on) m_frame = nullptr;
     }
     post([this, on](Thread& thread) {
-        Picture& picture = pictureOf(thread);
+        ViewPicture& picture = pictureOf(thread);
         if (!on) {
-            picture.attempt([&] { finishAndServe(thread, picture); });
+            picture.attempt([&] { picture.finishAndServe(thread.clouds); });
             picture.refuse();
             picture.renderer = nullptr;
             return;
@@ -247,7 +143,7 @@ void ViewRenderer::setOn(bool on)
         picture.renderer =
             std::make_unique<render::ProgressiveRenderer>(render::makeBackend(render::BackendKind::Cpu));
         picture.renderer->setPointsAFrame(thread.first().renderer->pointsAFrame());
-        for (const Thread::Cloud& cloud : thread.clouds) {
+        for (const DrawnCloud& cloud : thread.clouds) {
             picture.renderer->addCloud(cloud.store);
             if (!cloud.loading) picture.renderer->loadingEnded(cloud.store->cloud(), cloud.store->bounds());
         }
@@ -258,17 +154,17 @@ void ViewRenderer::setOn(bool on)
 
 void ViewRenderer::setSize(int widthPx, int heightPx)
 {
-    wish([&](Wish& wish) { wish.size = {widthPx, heightPx}; });
+    wish([&](ViewWish& wish) { wish.size = {widthPx, heightPx}; });
 }
 
 void ViewRenderer::setCamera(const render::Camera& camera)
 {
-    wish([&](Wish& wish) { wish.camera = camera; });
+    wish([&](ViewWish& wish) { wish.camera = camera; });
 }
 
 void ViewRenderer::setDisplay(const render::DisplaySettings& display)
 {
-    wish([&](Wish& wish) { wish.display = display; });
+    wish([&](ViewWish& wish) { wish.display = display; });
 }
 
 void ViewRenderer::setBackend(std::optional<render::BackendKind> kind)
@@ -300,7 +196,7 @@ void ViewRenderer::addCloud(std::shared_ptr<render::PointStore> store)
 void ViewRenderer::loadingEnded(std::shared_ptr<const PointCloud> cloud, const RawBounds& bounds)
 {
     post([cloud = std::move(cloud), bounds](Thread& thread) {
-        for (Thread::Cloud& entry : thread.clouds)
+        for (DrawnCloud& entry : thread.clouds)
             if (&entry.store->cloud() == cloud.get()) entry.loading = false;
         thread.forAll([&](render::ProgressiveRenderer& renderer) { renderer.loadingEnded(*cloud, bounds); });
     });
@@ -310,8 +206,7 @@ void ViewRenderer::removeCloud(std::shared_ptr<const PointCloud> cloud)
 {
     post([cloud = std::move(cloud)](Thread& thread) {
         thread.forAll([&](render::ProgressiveRenderer& renderer) { renderer.removeCloud(*cloud); });
-        std::erase_if(thread.clouds,
-                      [&](const Thread::Cloud& entry) { return &entry.store->cloud() == cloud.get(); });
+        std::erase_if(thread.clouds, [&](const DrawnCloud& entry) { return &entry.store->cloud() == cloud.get(); });
     });
 }
 
@@ -352,41 +247,22 @@ void ViewRenderer::snapshot(std::shared_ptr<const PointCloud> cloud, QObject* re
 {
     post([this, cloud = std::move(cloud), target = QPointer<QObject>(receiver),
           reply = std::move(reply)](Thread& thread) {
-        pictureOf(thread).snapshots.push_back(
-            {cloud, [this, target, reply](std::shared_ptr<const ViewSnapshot> view) {
-                 // by way of this object, as in pick()
-                 QMetaObject::invokeMethod(
-                     this,
-                     [target, reply, view = std::move(view)] {
-                         if (target) reply(view);
-                     },
-                     Qt::QueuedConnection);
-             }});
+        pictureOf(thread).askSnapshot(cloud, [this, target, reply](std::shared_ptr<const ViewSnapshot> view) {
+            // by way of this object, as in pick()
+            QMetaObject::invokeMethod(
+                this,
+                [target, reply, view = std::move(view)] {
+                    if (target) reply(view);
+                },
+                Qt::QueuedConnection);
+        });
     });
 }
 
 void ViewRenderer::pick(int x, int y, QObject* receiver, PickReply reply)
 {
     post([x, y, target = QPointer<QObject>(receiver), reply = std::move(reply), this](Thread& thread) {
-        std::optional<PickedPoint> picked;
-        render::ProgressiveRenderer* const renderer = pictureOf(thread).renderer.get();
-        const auto hit = renderer ? renderer->pick(x, y) : std::nullopt;
-        if (hit && hit->cloud < thread.clouds.size()) {
-            const auto& store = thread.clouds[hit->cloud].store;
-            const PointCloud& cloud = store->cloud();
-            picked.emplace();
-            picked->cloud = std::shared_ptr<const PointCloud>(store, &cloud);
-            picked->index = hit->index;
-            picked->world = hit->world;
-            const std::shared_lock lock(cloud.mutex());
-            if (const Attribute* classes = cloud.findAttribute("Classification"))
-                picked->classCode = unsigned(std::clamp(classes->number(hit->index), 0.0, 255.0));
-            const std::string shown = renderer->shownAttribute();
-            if (const Attribute* attribute = cloud.findAttribute(shown)) {
-                picked->attribute = toQString(shown);
-                picked->value = pickedValue(*attribute, hit->index);
-            }
-        }
+        const auto picked = pictureOf(thread).pick(x, y, thread.clouds);
         // By way of this object: it outlives the thread, the receiver need not.
         QMetaObject::invokeMethod(
             this,
@@ -400,7 +276,7 @@ void ViewRenderer::pick(int x, int y, QObject* receiver, PickReply reply)
 void ViewRenderer::capture(bool transparent, CaptureDone done)
 {
     post([this, transparent, done = std::move(done)](Thread& thread) {
-        pictureOf(thread).captures.push_back({transparent, done});
+        pictureOf(thread).askCapture(transparent, done);
     });
 }
 
@@ -412,10 +288,10 @@ std::shared_ptr<const Frame> ViewRenderer::frame() const
 
 // -- the render thread
 
-ViewRenderer::Picture& ViewRenderer::pictureOf(Thread& thread) const
+ViewPicture& ViewRenderer::pictureOf(Thread& thread) const
 {
     return **std::find_if(thread.pictures.begin(), thread.pictures.end(),
-                          [this](const auto& picture) { return picture->view == this; });
+                          [this](const auto& picture) { return picture->view() == this; });
 }
 
 void ViewRenderer::announceFailure(const QString& sentence)
@@ -483,8 +359,7 @@ void ViewRenderer::measureBackends(Thread& thread)
 void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBackend fastest)
 {
     Thread thread;
-    thread.pictures.push_back(std::make_unique<Picture>());
-    thread.first().view = this;
+    thread.pictures.push_back(makePicture());
     thread.fastest = std::move(fastest);
     thread.chosen = backend;
     applyChoice(thread);
@@ -492,7 +367,7 @@ void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBacken
     bool calm = false;
     for (;;) {
         std::vector<Command> commands;
-        std::vector<std::pair<ViewRenderer*, Wish>> wishes;
+        std::vector<std::pair<ViewRenderer*, ViewWish>> wishes;
         {
             std::unique_lock lock(m_mutex);
             const auto wanted = [this] {
@@ -522,7 +397,7 @@ void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBacken
         }
         bool moved = false;
         for (const auto& [view, wish] : wishes) {
-            Picture& picture = view->pictureOf(thread);
+            ViewPicture& picture = view->pictureOf(thread);
             if (wish.size) picture.known.size = wish.size;
             if (wish.camera) picture.known.camera = wish.camera;
             if (wish.display) picture.known.display = wish.display;
@@ -533,15 +408,13 @@ void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBacken
         settleFailures(thread);
         for (const auto& picture : thread.pictures)
             if (picture->dirty) picture->broken = false;
-        const bool loading = thread.loading();
+        const bool loading = anyLoading(thread.clouds);
         const auto drawn = std::count_if(thread.pictures.begin(), thread.pictures.end(),
                                          [&](const auto& picture) { return picture->wantsFrame(loading); });
         for (const auto& picture : thread.pictures) {
             if (picture->renderer && !picture->broken)
-                picture->attempt([&] {
-                    if (std::exchange(picture->fresh, false)) picture->apply(picture->known);
-                    renderNext(thread, *picture, thread.budget / double(std::max<long>(drawn, 1)));
-                });
+                picture->attempt(
+                    [&] { picture->renderNext(thread.clouds, thread.budget / double(std::max<long>(drawn, 1))); });
             settleFailures(thread);
             if (picture->broken || !picture->renderer) picture->refuse();
         }
@@ -568,83 +441,19 @@ void ViewRenderer::settleFailures(Thread& thread)
     }
 }
 
-/// What waits for a finished picture gets it now, before the view is switched off.
-void ViewRenderer::finishAndServe(Thread& thread, Picture& picture)
+std::unique_ptr<ViewPicture> ViewRenderer::makePicture()
 {
-    if (picture.snapshots.empty() && picture.captures.empty()) return;
-    if (!picture.renderer || picture.broken || thread.loading()) return;
-    if (std::exchange(picture.fresh, false)) picture.apply(picture.known);
-    while (!picture.renderer->renderFrame(thread.budget).converged) {
-    }
-    serveSnapshots(thread, picture);
-    serveCaptures(thread, picture);
+    return std::make_unique<ViewPicture>(this,
+                                         [this](std::shared_ptr<const Frame> frame) { publish(std::move(frame)); });
 }
 
-void ViewRenderer::renderNext(Thread& thread, Picture& picture, double budget)
+void ViewRenderer::publish(std::shared_ptr<const Frame> frame)
 {
-    if (picture.wantsFrame(thread.loading())) {
-        picture.dirty = false;
-        const render::FrameReport report = picture.renderer->renderFrame(budget);
-        if (picture.renderer->image().width > 0) picture.view->publish(picture, report);
-    }
-    if (!picture.renderer->converged()) return;
-    serveSnapshots(thread, picture);
-    if (!picture.captures.empty() && !thread.loading()) serveCaptures(thread, picture);
-}
-
-void ViewRenderer::serveSnapshots(Thread& thread, Picture& picture)
-{
-    for (const Picture::Snapshot& wanted : std::exchange(picture.snapshots, {})) {
-        std::shared_ptr<ViewSnapshot> view;
-        for (const Thread::Cloud& entry : thread.clouds) {
-            if (&entry.store->cloud() != wanted.cloud.get()) continue;
-            view = std::make_shared<ViewSnapshot>();
-            view->cloud = wanted.cloud;
-            view->projection = picture.renderer->projectionOf(*wanted.cloud);
-            const PictureProjection& p = view->projection;
-            const glm::dvec3 pivot = wanted.cloud->coordinates().toRaw(picture.renderer->camera().pivot) - p.base;
-            view->pivotDepth = glm::dot(glm::dvec3(p.rowD), pivot) + p.rowD.w;
-            view->visible = std::make_shared<PointSet>(picture.renderer->visiblePoints(*wanted.cloud));
-        }
-        wanted.done(std::move(view));
-    }
-}
-
-void ViewRenderer::serveCaptures(Thread& thread, Picture& picture)
-{
-    render::ProgressiveRenderer& renderer = *picture.renderer;
-    const render::DisplaySettings shown = renderer.display();
-    for (const Picture::Capture& capture : std::exchange(picture.captures, {})) {
-        if (capture.transparent) {
-            render::DisplaySettings bare = shown;
-            bare.backgroundTop.a = bare.backgroundBottom.a = 0;
-            renderer.setDisplay(bare);
-            while (!renderer.renderFrame(thread.budget).converged) {
-            }
-        }
-        capture.done(std::make_shared<render::Image>(renderer.image()));
-        if (capture.transparent) {
-            renderer.setDisplay(shown);
-            while (!renderer.renderFrame(thread.budget).converged) {
-            }
-        }
-    }
-}
-
-void ViewRenderer::publish(Picture& picture, const render::FrameReport& report)
-{
-    const auto frame = Pool::take(m_pool);
-    frame->image = picture.renderer->image();
-    frame->camera = picture.renderer->camera();
-    frame->report = report;
-    frame->range = picture.renderer->range();
-    frame->attribute = toQString(picture.renderer->shownAttribute());
-    frame->number = ++picture.frames;
     bool announce = false;
     {
         const std::lock_guard lock(m_first.m_mutex);
         if (!m_on) return;
-        m_frame = frame;
+        m_frame = std::move(frame);
         announce = !std::exchange(m_announced, true);
     }
     if (!announce) return;

@@ -53,6 +53,16 @@ struct ViewSnapshot {
     std::shared_ptr<const PointSet> visible;  ///< the points that can be seen
 };
 
+/// What is to be seen, where that is new to the picture.
+struct ViewWish {
+    std::optional<std::pair<int, int>> size;
+    std::optional<render::Camera> camera;
+    std::optional<render::DisplaySettings> display;
+    bool any() const { return size || camera || display; }
+};
+
+class ViewPicture;
+
 /// The render thread: owns the progressive renderer and its backend, and draws a frame whenever something changed
 /// or the picture is not finished. An idle view costs no processor time.
 ///
@@ -124,19 +134,10 @@ signals:
     void failed(const QString& sentence);
 
 private:
-    struct Pool;
-    struct Picture;
     struct Thread;
     struct Command {
         ViewRenderer* view;  ///< whose picture it is about
         std::function<void(Thread&)> act;
-    };
-    /// What is to be seen, where that is new to the picture.
-    struct Wish {
-        std::optional<std::pair<int, int>> size;
-        std::optional<render::Camera> camera;
-        std::optional<render::DisplaySettings> display;
-        bool any() const { return size || camera || display; }
     };
 
     void post(std::function<void(Thread&)> command);
@@ -147,20 +148,16 @@ private:
     void useBackend(Thread& thread, render::BackendKind kind);
     void applyChoice(Thread& thread);
     void measureBackends(Thread& thread);
-    Picture& pictureOf(Thread& thread) const;
-    static void finishAndServe(Thread& thread, Picture& picture);
-    static void renderNext(Thread& thread, Picture& picture, double budget);
-    static void serveCaptures(Thread& thread, Picture& picture);
-    static void serveSnapshots(Thread& thread, Picture& picture);
+    ViewPicture& pictureOf(Thread& thread) const;
+    std::unique_ptr<ViewPicture> makePicture();
     void settleFailures(Thread& thread);
-    void publish(Picture& picture, const render::FrameReport& report);
+    void publish(std::shared_ptr<const Frame> frame);
     void announceFailure(const QString& sentence);
 
     ViewRenderer& m_first;  ///< whose thread draws this one; itself
-    std::shared_ptr<Pool> m_pool;
     // All views are guarded by the first one's mutex.
     mutable std::mutex m_mutex;
-    Wish m_wish;
+    ViewWish m_wish;
     bool m_on = true;
     std::shared_ptr<const Frame> m_frame;
     bool m_announced = false;  ///< frameReady is on its way and not yet delivered

@@ -4,12 +4,13 @@
 #include "core/Error.h"
 #include "core/edit/Extract.h"
 #include "core/edit/History.h"
+#include "core/las/Writer.h"
 #include "core/process/MakeCommand.h"
 #include "core/task/Progress.h"
 #include "render/store/PointStore.h"
 #include "ui/BackgroundPriority.h"
 #include "ui/Recovery.h"
-#include "ui/Saving.h"
+#include "ui/Saves.h"
 #include "ui/Text.h"
 
 #include <QDir>
@@ -54,8 +55,10 @@ Workspace::Workspace(HistoryRoom room, QObject* parent)
     : QObject(parent),
       m_room(std::move(room)),
       m_recovery(std::make_unique<Recovery>(*this, m_room.folder)),
-      m_jobs(std::make_unique<Jobs>())
+      m_jobs(std::make_unique<Jobs>()),
+      m_saves(std::make_unique<Saves>(*this))
 {
+    connect(m_saves.get(), &Saves::saved, this, &Workspace::saved);
 }
 
 Workspace::~Workspace()
@@ -148,7 +151,7 @@ void Workspace::documentReady(const std::shared_ptr<Opening>& opening)
     auto* document = new Document(opening->data, this);
     opening->document = document;
     m_documents.push_back(document);
-    m_documentJobs.emplace(document, opening->job);
+    tie(*document, opening->job);
     Watch& watch = m_watches[document];
     watch.subscription = document->cloud()->subscribe(
         [this, target = QPointer<Document>(document),
@@ -220,6 +223,7 @@ void Workspace::remove(Document& document, bool openingFailed)
     for (auto it = first; it != last; ++it) m_jobs->cancel(it->second);
     m_documentJobs.erase(first, last);
     m_watches.erase(&document);
+    m_saves->forget(document);
     const auto index = found - m_documents.begin();
     m_documents.erase(found);
     if (m_active == &document) {
@@ -316,181 +320,14 @@ void Workspace::analyse(Document& document, const QStringList& names)
             if (!pending.isEmpty()) analyse(*target, pending);
         },
         true);
-    m_documentJobs.emplace(&document, watch.analysis);
+    tie(document, watch.analysis);
 }
 
-// -- saving and changing
-
-/// One save, until it is done or given up.
-struct Workspace::Saving {
-    QPointer<Document> document;  ///< null once it is closed
-    std::shared_ptr<OpenCloud> data;
-    std::filesystem::path original;
-    std::filesystem::path target;
-    std::optional<Forecast> forecast;
-    las::WriteOptions options;
-    std::function<void(bool)> ended;
-    SaveOutcome outcome;
-    std::optional<las::WriteQuestion> question;  ///< why it stopped, where the user can decide
-};
+// -- changing
 
 void Workspace::save(Document& document, const QString& path, std::function<void(bool)> ended, AskSave ask)
 {
-    const std::filesystem::path target = toPath(QDir::cleanPath(QDir::current().absoluteFilePath(path)));
-    const auto refuse = [&](const QString& sentence) {
-        say(MessageKind::Error, sentence);
-        if (ended) ended(false);
-    };
-    if (document.loading())
-        return refuse(tr("%1 is still being read: save it when all points are here.").arg(document.name()));
-    if (document.recovered() && target == document.data()->path)
-        return refuse(
-            tr("%1 is damaged, and only part of it could be read: save under another name.").arg(document.name()));
-    auto saving = std::make_shared<Saving>();
-    saving->document = &document;
-    saving->data = document.data();
-    saving->original = toPath(document.path());
-    saving->target = target;
-    saving->options.upgrade = document.upgradeAllowed();
-    saving->ended = std::move(ended);
-    if (!ask) return startSave(saving);
-
-    // First what it would change, then the question, then the save.
-    startJob(
-        tr("Compare %1 with the file").arg(document.name()),
-        [saving](Progress& progress) {
-            try {
-                saving->forecast = foresee(*saving->data, saving->original, saving->target, progress);
-            } catch (const Error&) {
-                saving->forecast.reset();  // then it is asked nothing; what cannot be written is told by the save
-            }
-        },
-        [this, saving, ask = std::move(ask)](const JobInfo& info) {
-            const auto proceed = [this, saving](bool wanted) {
-                if (wanted && saving->document)
-                    startSave(saving);
-                else if (saving->ended)
-                    saving->ended(false);
-            };
-            if (info.state != JobState::Finished) {
-                if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
-                return proceed(false);
-            }
-            const QString question = saving->forecast ? savingQuestion(saving->forecast->preview) : QString();
-            if (question.isEmpty()) return proceed(true);
-            ask(question, [saving, proceed](bool wanted) {
-                if (wanted && upgrades(saving->forecast->preview)) {  // that was part of the question
-                    saving->options.upgrade = true;
-                    if (saving->document) saving->document->allowUpgrade();
-                }
-                proceed(wanted);
-            });
-        },
-        true);
-}
-
-void Workspace::startSave(const std::shared_ptr<Saving>& saving)
-{
-    // Closing a document does not stop the save that was asked for before: the job is not tied to it.
-    startJob(
-        tr("Save %1").arg(toQString(saving->target.filename())),
-        [saving](Progress& progress) {
-            saving->question.reset();
-            try {
-                saving->outcome = saveCloud(*saving->data, saving->original, saving->target,
-                                            std::move(saving->forecast), saving->options, progress);
-            } catch (const las::WriteQuestion& question) {
-                saving->question = question;
-                throw;
-            }
-        },
-        [this, saving](const JobInfo& info) {
-            if (info.state == JobState::Failed && saving->question && askQuestion) return askFor(saving);
-            const bool done = info.state == JobState::Finished;
-            if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
-            if (done) {
-                const Document::LastSave save{savedText(saving->outcome, saving->target),
-                                              savedDetails(saving->outcome, saving->original, saving->target)};
-                say(MessageKind::Info, save.sentence, save.details);
-                if (saving->document) {
-                    saving->document->setSavedAs(saving->target, save);
-                    countUnsaved(*saving->document);
-                    startJob(
-                        tr("Journal"),
-                        [data = saving->data](Progress&) {
-                            const std::lock_guard gate(data->editGate);
-                            Recovery::saved(*data);
-                        },
-                        {}, true);
-                    emit saved(saving->document);
-                }
-            }
-            if (saving->ended) saving->ended(done);
-        });
-}
-
-/// A yes to what stopped the save is noted in its options, and begins it again.
-void Workspace::askFor(const std::shared_ptr<Saving>& saving)
-{
-    Question question;
-    question.reason = toQString(std::string(saving->question->what()));
-    switch (saving->question->kind()) {
-        case las::WriteQuestion::Kind::TargetChanged:
-            question.text = tr("Replace the changed file?");
-            question.yes = tr("&Replace");
-            break;
-        case las::WriteQuestion::Kind::Upgrade:
-            question.text = tr("Save as %1?").arg(toQString(saving->question->becomes()));
-            question.reason +=
-                QLatin1Char(' ') + tr("Every value is kept. Programs that know only older formats cannot read the "
-                                      "file then. You are asked once for this file.");
-            question.yes = tr("&Save");
-            break;
-    }
-    askQuestion(question, [this, saving](bool wanted) {
-        if (!wanted) {
-            if (saving->ended) saving->ended(false);
-            return;
-        }
-        switch (saving->question->kind()) {
-            case las::WriteQuestion::Kind::TargetChanged:
-                saving->options.overwriteChanged = true;
-                break;
-            case las::WriteQuestion::Kind::Upgrade:
-                saving->options.upgrade = true;
-                if (saving->document) saving->document->allowUpgrade();
-                break;
-        }
-        startSave(saving);
-    });
-}
-
-void Workspace::countUnsaved(Document& document)
-{
-    const auto found = m_watches.find(&document);
-    if (found == m_watches.end()) return;
-    Watch& watch = found->second;
-    if (watch.counting != 0) {
-        watch.countAgain = true;
-        return;
-    }
-    if (!document.modified()) return document.setUnsavedChanges({});
-    auto changes = std::make_shared<QString>();
-    const QPointer<Document> target(&document);
-    watch.counting = startJob(
-        tr("Unsaved changes of %1").arg(document.name()),
-        [data = document.data(), original = toPath(document.path()), changes](Progress& progress) {
-            *changes = unsavedChanges(*data, original, progress);
-        },
-        [this, target, changes](const JobInfo& info) {
-            const auto watched = target ? m_watches.find(target.data()) : m_watches.end();
-            if (watched == m_watches.end()) return;
-            watched->second.counting = 0;
-            target->setUnsavedChanges(info.state == JobState::Finished ? *changes : QString());
-            if (std::exchange(watched->second.countAgain, false)) countUnsaved(*target);
-        },
-        true);
-    m_documentJobs.emplace(&document, watch.counting);
+    m_saves->save(document, path, std::move(ended), std::move(ask));
 }
 
 void Workspace::undo(Document& document)
@@ -566,7 +403,7 @@ JobId Workspace::edit(Document& document, const QString& title, const Recipe& re
             if (alive) edited(*alive);
             ended(info, *outcome);
         });
-    m_documentJobs.emplace(&document, id);
+    tie(document, id);
     return id;
 }
 
@@ -601,7 +438,7 @@ void Workspace::edited(Document& document)
     document.noteEdit();
     if (const std::string warning = document.data()->history->takeWarning(); !warning.empty())
         say(MessageKind::Warning, toQString(warning));
-    countUnsaved(document);
+    m_saves->countUnsaved(document);
 }
 
 JobId Workspace::run(Document& document, const Step& step, const StepValues& values)

@@ -22,7 +22,7 @@ namespace punctum::ui
 {
 
 class Recovery;
-struct Forecast;
+class Saves;
 
 /// How grave a message to the user is.
 enum class MessageKind { Info, Warning, Error };
@@ -91,6 +91,8 @@ public:
 
     /// Any other long work. `ended` is called in the GUI thread. Quiet jobs leave the list at once.
     JobId startJob(const QString& title, Jobs::Work work, Ended ended = {}, bool quiet = false);
+    /// The job is cancelled when the document is closed.
+    void tie(Document& document, JobId job) { m_documentJobs.emplace(&document, job); }
     void cancel(JobId id) { m_jobs->cancel(id); }
     Jobs& jobs() noexcept { return *m_jobs; }
     /// Whether a job runs, or has ended and its result is still on its way here.
@@ -120,9 +122,6 @@ signals:
 
 private:
     struct Opening;
-    struct Saving;
-    void startSave(const std::shared_ptr<Saving>& saving);
-    void askFor(const std::shared_ptr<Saving>& saving);
     void documentReady(const std::shared_ptr<Opening>& opening);
     void openingEnded(const std::shared_ptr<Opening>& opening, const JobInfo& info);
     void remove(Document& document, bool openingFailed);
@@ -135,19 +134,17 @@ private:
     void handleNotice(Document& document, const ChangeNotice& notice, After after);
     void analyse(Document& document, const QStringList& names);
     void moveHistory(Document& document, std::size_t position, const QString& title);
-    void countUnsaved(Document& document);
 
     struct Watch {
         Subscription subscription;
         QStringList pendingAnalysis;
         JobId analysis = 0;
-        JobId counting = 0;       ///< of unsaved changes
-        bool countAgain = false;  ///< something changed meanwhile
     };
 
     HistoryRoom m_room;
     std::unique_ptr<Recovery> m_recovery;  ///< outlives the jobs
     std::unique_ptr<Jobs> m_jobs;
+    std::unique_ptr<Saves> m_saves;
     std::vector<Document*> m_documents;
     std::map<Document*, Watch> m_watches;
     std::vector<std::shared_ptr<Opening>> m_opening;

@@ -582,7 +582,7 @@ private slots:
         Document* document = test.open(dataFile(kAutzen));
         QVERIFY(document);
         int asked = 0;
-        MainWindow::Unsaved answer = MainWindow::Unsaved::Cancel;
+        UnsavedAnswer answer = UnsavedAnswer::Cancel;
         test.window->askUnsaved = [&](const QString&) {
             ++asked;
             return answer;
@@ -595,7 +595,7 @@ private slots:
         test.window->closeActive();
         QCOMPARE(asked, 1);
         QCOMPARE(test.window->workspace().documents().size(), std::size_t(1));
-        answer = MainWindow::Unsaved::Discard;
+        answer = UnsavedAnswer::Discard;
         QVERIFY(test.window->close());
         QCOMPARE(asked, 2);
     }

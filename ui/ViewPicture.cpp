@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+#include "ui/ViewPicture.h"
+
+#include "render/store/PointStore.h"
+#include "ui/Text.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <mutex>
+#include <shared_mutex>
+#include <utility>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+constexpr double kCaptureFrame = 0.05;  // s: a picture that somebody waits for, whatever the budget of frames
+
+QString pickedValue(const Attribute& attribute, PointIndex index)
+{
+    QStringList parts;
+    for (std::uint32_t c = 0; c < attribute.components; ++c)
+        parts << (attribute.kind == AttributeKind::Vector ? QString::number(attribute.number(index, c), 'f', 3)
+                                                          : valueText(attribute.value(index, c)));
+    return parts.join(QStringLiteral(", "));
+}
+
+}  // namespace
+
+/// Frames that nobody looks at any more, to be filled again: a picture is some megabytes, sixty times a second.
+/// Frames come back from any thread.
+class FramePool
+{
+public:
+    static std::shared_ptr<Frame> take(const std::shared_ptr<FramePool>& pool)
+    {
+        std::unique_ptr<Frame> frame;
+        {
+            const std::lock_guard lock(pool->m_mutex);
+            if (!pool->m_free.empty()) {
+                frame = std::move(pool->m_free.back());
+                pool->m_free.pop_back();
+            }
+        }
+        if (!frame) frame = std::make_unique<Frame>();
+        return {frame.release(), [pool](Frame* used) {
+                    std::unique_ptr<Frame> back(used);
+                    const std::lock_guard lock(pool->m_mutex);
+                    if (pool->m_free.size() < 3) pool->m_free.push_back(std::move(back));
+                }};
+    }
+
+private:
+    std::mutex m_mutex;
+    std::vector<std::unique_ptr<Frame>> m_free;
+};
+
+bool anyLoading(std::span<const DrawnCloud> clouds)
+{
+    return std::any_of(clouds.begin(), clouds.end(), [](const DrawnCloud& c) { return c.loading; });
+}
+
+ViewPicture::ViewPicture(const ViewRenderer* view, Publish publish)
+    : m_view(view), m_publish(std::move(publish)), m_pool(std::make_shared<FramePool>())
+{
+}
+
+ViewPicture::~ViewPicture()
+{
+    refuse();
+}
+
+void ViewPicture::apply(const ViewWish& wish)
+{
+    if (wish.size) renderer->setSize(wish.size->first, wish.size->second);
+    if (wish.camera) renderer->setCamera(*wish.camera);
+    if (wish.display) renderer->setDisplay(*wish.display);
+    dirty = true;
+}
+
+void ViewPicture::askCapture(bool transparent, ViewRenderer::CaptureDone done)
+{
+    m_captures.push_back({transparent, std::move(done)});
+}
+
+void ViewPicture::askSnapshot(std::shared_ptr<const PointCloud> cloud, SnapshotDone done)
+{
+    m_snapshots.push_back({std::move(cloud), std::move(done)});
+}
+
+void ViewPicture::refuse()
+{
+    for (const Snapshot& wanted : std::exchange(m_snapshots, {})) wanted.done(nullptr);
+    for (const Capture& wanted : std::exchange(m_captures, {})) wanted.done(nullptr);
+}
+
+void ViewPicture::renderNext(std::span<const DrawnCloud> clouds, double seconds)
+{
+    if (std::exchange(fresh, false)) apply(known);
+    const bool loading = anyLoading(clouds);
+    if (wantsFrame(loading)) {
+        dirty = false;
+        const render::FrameReport report = renderer->renderFrame(seconds);
+        if (renderer->image().width > 0) publish(report);
+    }
+    if (!renderer->converged()) return;
+    serveSnapshots(clouds);
+    if (!loading) serveCaptures();
+}
+
+void ViewPicture::finishAndServe(std::span<const DrawnCloud> clouds)
+{
+    if (m_snapshots.empty() && m_captures.empty()) return;
+    if (!renderer || broken || anyLoading(clouds)) return;
+    if (std::exchange(fresh, false)) apply(known);
+    converge();
+    serveSnapshots(clouds);
+    serveCaptures();
+}
+
+void ViewPicture::converge()
+{
+    while (!renderer->renderFrame(kCaptureFrame).converged) {
+    }
+}
+
+void ViewPicture::publish(const render::FrameReport& report)
+{
+    const auto frame = FramePool::take(m_pool);
+    frame->image = renderer->image();
+    frame->camera = renderer->camera();
+    frame->report = report;
+    frame->range = renderer->range();
+    frame->attribute = toQString(renderer->shownAttribute());
+    frame->number = ++m_frames;
+    m_publish(frame);
+}
+
+void ViewPicture::serveSnapshots(std::span<const DrawnCloud> clouds)
+{
+    for (const Snapshot& wanted : std::exchange(m_snapshots, {})) {
+        std::shared_ptr<ViewSnapshot> view;
+        for (const DrawnCloud& entry : clouds) {
+            if (&entry.store->cloud() != wanted.cloud.get()) continue;
+            view = std::make_shared<ViewSnapshot>();
+            view->cloud = wanted.cloud;
+            view->projection = renderer->projectionOf(*wanted.cloud);
+            const PictureProjection& p = view->projection;
+            const glm::dvec3 pivot = wanted.cloud->coordinates().toRaw(renderer->camera().pivot) - p.base;
+            view->pivotDepth = glm::dot(glm::dvec3(p.rowD), pivot) + p.rowD.w;
+            view->visible = std::make_shared<PointSet>(renderer->visiblePoints(*wanted.cloud));
+        }
+        wanted.done(std::move(view));
+    }
+}
+
+void ViewPicture::serveCaptures()
+{
+    const render::DisplaySettings shown = renderer->display();
+    for (const Capture& capture : std::exchange(m_captures, {})) {
+        if (capture.transparent) {
+            render::DisplaySettings bare = shown;
+            bare.backgroundTop.a = bare.backgroundBottom.a = 0;
+            renderer->setDisplay(bare);
+            converge();
+        }
+        capture.done(std::make_shared<render::Image>(renderer->image()));
+        if (capture.transparent) {
+            renderer->setDisplay(shown);
+            converge();
+        }
+    }
+}
+
+std::optional<PickedPoint> ViewPicture::pick(int x, int y, std::span<const DrawnCloud> clouds) const
+{
+    const auto hit = renderer ? renderer->pick(x, y) : std::nullopt;
+    if (!hit || hit->cloud >= clouds.size()) return std::nullopt;
+    const auto& store = clouds[hit->cloud].store;
+    const PointCloud& cloud = store->cloud();
+    PickedPoint picked;
+    picked.cloud = std::shared_ptr<const PointCloud>(store, &cloud);
+    picked.index = hit->index;
+    picked.world = hit->world;
+    const std::shared_lock lock(cloud.mutex());
+    if (const Attribute* classes = cloud.findAttribute("Classification"))
+        picked.classCode = unsigned(std::clamp(classes->number(hit->index), 0.0, 255.0));
+    const std::string shown = renderer->shownAttribute();
+    if (const Attribute* attribute = cloud.findAttribute(shown)) {
+        picked.attribute = toQString(shown);
+        picked.value = pickedValue(*attribute, hit->index);
+    }
+    return picked;
+}
+
+}  // namespace punctum::ui
