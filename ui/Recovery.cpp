@@ -60,7 +60,7 @@ void Recovery::warn(const QString& sentence)
         this, [this, sentence] { m_workspace.say(MessageKind::Warning, sentence); }, Qt::QueuedConnection);
 }
 
-void Recovery::noteDown(OpenCloud& data, bool edit, Progress& progress) noexcept
+void Recovery::noteDown(OpenCloud& data, Progress& progress) noexcept
 {
     if (m_folder.empty()) return;
     const auto tell = [&](const std::string& reason) {
@@ -72,12 +72,11 @@ void Recovery::noteDown(OpenCloud& data, bool edit, Progress& progress) noexcept
             if (const std::string failure = journal->failure(); !failure.empty()) tell(failure);
             return;
         }
-        if (!edit || data.history->modified())
-            return tell(
-                "what was saved is being undone, and a journal begins with what is in the file. Save once.");
-        const auto kept = data.source->current->get().kept;
-        const CloudKey key = keyOf(*data.cloud, progress, kept.get());
-        data.history->setJournal(Journal::create(pathOf(key), key, data.path.string(), kept));
+        if (data.history->modified())
+            return tell("edits came before, and a journal begins with what is in the file. Save once.");
+        const CloudKey key = keyOfFile(*data.cloud, progress);
+        data.history->setJournal(
+            Journal::create(pathOf(key), key, data.path.string(), data.source->current->get().kept));
         data.journalTold = false;
     } catch (const std::exception& e) {  // cancelled as well: the edit will be, too
         if (!progress.cancelled()) tell(e.what());

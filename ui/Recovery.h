@@ -37,7 +37,7 @@ public:
 
     /// Called by a job that is about to change a cloud, with its gate held: begins the journal where there is none.
     /// What keeps it from that is told once, and never stops the edit.
-    void noteDown(OpenCloud& data, bool edit, Progress& progress) noexcept;
+    void noteDown(OpenCloud& data, Progress& progress) noexcept;
     /// The file has been saved: there is nothing to recover until the next edit.
     static void saved(OpenCloud& data) noexcept;
     /// The file is closed in order.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/edit/History.h"
+#include "core/edit/HistoryRoom.h"
 #include "ui/ViewRenderer.h"
 #include "ui/style/Theme.h"
 

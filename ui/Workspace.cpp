@@ -363,7 +363,7 @@ void Workspace::moveHistory(Document& document, std::size_t position, const QStr
                 progress.check();
                 const bool forward = history.position() < position;
                 if (forward ? !history.canRedo() : !history.canUndo()) break;  // others have been here meanwhile
-                m_recovery->noteDown(*data, false, progress);
+                m_recovery->noteDown(*data, progress);
                 ++data->edits;
                 forward ? history.redo() : history.undo();
             }
@@ -390,7 +390,7 @@ JobId Workspace::edit(Document& document, const QString& title, const Recipe& re
             progress.begin("Changing points", 1);
             {
                 const std::lock_guard gate(data->editGate);
-                m_recovery->noteDown(*data, true, progress);
+                m_recovery->noteDown(*data, progress);
                 progress.check();
                 ++data->edits;
                 data->history->push(std::move(command));

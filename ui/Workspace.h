@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/edit/History.h"
+#include "core/edit/HistoryRoom.h"
 #include "core/edit/Recipe.h"
 #include "core/process/Step.h"
 #include "core/task/Jobs.h"

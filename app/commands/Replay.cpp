@@ -7,6 +7,7 @@
 #include "core/Error.h"
 #include "core/Text.h"
 #include "core/edit/History.h"
+#include "core/edit/Literal.h"
 #include "core/las/Writer.h"
 #include "core/task/Progress.h"
 
@@ -28,6 +29,12 @@ struct ReplayOptions {
     bool json = false;
 };
 
+/// A literal holds the values of its points: too many to be listed.
+Json shownValues(const Recipe& recipe)
+{
+    return recipe.step == kLiteralStep ? Json::object() : Json(recipe.values);
+}
+
 void listJournal(const JournalContents& journal, bool json)
 {
     if (json) {
@@ -43,7 +50,7 @@ void listJournal(const JournalContents& journal, bool json)
                     entries.push_back({{"kind", "do"},
                                        {"name", entry.name},
                                        {"step", entry.recipe.step},
-                                       {"values", entry.recipe.values},
+                                       {"values", shownValues(entry.recipe)},
                                        {"points_changed", entry.changed}});
             }
         printJson({{"file", journal.file},

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "core/edit/Command.h"
 
+#include "core/Error.h"
+#include "core/edit/PackedValues.h"
+
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <cstring>
-#include <limits>
 #include <mutex>
 #include <new>
 #include <utility>
@@ -68,6 +71,12 @@ void addWithColumns(PointCloud& cloud, const Attribute& attribute)
 
 }  // namespace
 
+Command::Command(std::string name) : m_name(std::move(name))
+{
+    static std::atomic<std::uint64_t> last{0};
+    m_serial = ++last;
+}
+
 ValueCommand::ValueCommand(std::string name, const Attribute& attribute, std::shared_ptr<const PointSet> points,
                            std::vector<std::byte> values)
     : Command(std::move(name)),
@@ -120,18 +129,11 @@ void ValueCommand::apply(PointCloud& cloud) noexcept
 /// One element for each point.
 std::vector<std::byte> ValueCommand::values() const
 {
-    if (!m_packed) return m_values.copy();
-    const std::vector<std::byte> packed = m_values.copy();
-    const std::size_t bytes = m_column->elementBytes();
-    std::vector<std::byte> values;
-    values.reserve(std::size_t(m_count) * bytes);
-    for (std::size_t at = 0; at < packed.size(); at += sizeof(std::uint32_t) + bytes) {
-        std::uint32_t count = 0;
-        std::memcpy(&count, packed.data() + at, sizeof count);
-        const std::byte* const element = packed.data() + at + sizeof count;
-        for (std::uint32_t k = 0; k < count; ++k) values.insert(values.end(), element, element + bytes);
-    }
-    return values;
+    std::vector<std::byte> kept = m_values.copy();
+    if (!m_packed) return kept;
+    auto values = unpackedRuns(kept, m_column->elementBytes(), m_count);
+    if (!values) throw Error("What this edit needs was damaged on the disk; the points stay as they are.");
+    return std::move(*values);
 }
 
 void ValueCommand::prepare()
@@ -145,28 +147,6 @@ void ValueCommand::prepare()
     m_packed = false;
 }
 
-void ValueCommand::packValues()
-{
-    if (m_packed || m_values.spilled() != 0) return;
-    const std::size_t bytes = m_column->elementBytes();
-    const std::vector<std::byte>& plain = *m_values;
-    std::vector<std::byte> packed;
-    for (std::size_t at = 0; at < plain.size();) {
-        std::size_t end = at + bytes;
-        const std::size_t most = std::min(plain.size(), at + bytes * std::numeric_limits<std::uint32_t>::max());
-        while (end < most && std::memcmp(plain.data() + at, plain.data() + end, bytes) == 0) end += bytes;
-        const auto count = std::uint32_t((end - at) / bytes);
-        const auto* const first = reinterpret_cast<const std::byte*>(&count);
-        packed.insert(packed.end(), first, first + sizeof count);
-        packed.insert(packed.end(), plain.begin() + std::ptrdiff_t(at), plain.begin() + std::ptrdiff_t(at + bytes));
-        if (packed.size() >= plain.size()) return;
-        at = end;
-    }
-    packed.shrink_to_fit();
-    *m_values = std::move(packed);
-    m_packed = true;
-}
-
 void ValueCommand::stow() noexcept
 {
     if (std::exchange(m_stowed, true)) return;
@@ -174,7 +154,11 @@ void ValueCommand::stow() noexcept
         m_points.stow();
         m_notice.points.reset();
         m_ranks = {};
-        packValues();
+        if (m_packed || m_values.spilled() != 0) return;
+        if (auto packed = packedRuns(*m_values, m_column->elementBytes())) {
+            *m_values = std::move(*packed);
+            m_packed = true;
+        }
     } catch (const std::bad_alloc&) {
         // then it stays as it is, which is as good
     }

@@ -24,13 +24,15 @@ namespace punctum
 class Command
 {
 public:
-    explicit Command(std::string name) : m_name(std::move(name)) {}
+    explicit Command(std::string name);
     virtual ~Command() = default;
     Command(const Command&) = delete;
     Command& operator=(const Command&) = delete;
 
     /// Shown in menus and lists: "Reclassify to 6 Building".
     const std::string& name() const noexcept { return m_name; }
+    /// No two commands of the program's run have the same; from 1 on.
+    std::uint64_t serial() const noexcept { return m_serial; }
     /// What it was made from, where that is known: makeCommand() sets it, a journal keeps it. Needed until the
     /// command has been done for the first time; its set is dropped then.
     const std::optional<Recipe>& recipe() const noexcept { return m_recipe; }
@@ -59,6 +61,7 @@ public:
     struct Effect {
         std::vector<std::shared_ptr<Column>> columns;  ///< whose values it swaps
         std::vector<Attribute> added, removed;         ///< by doing it
+        bool deletes = false;                          ///< its points are deleted, or restored
     };
     /// The same for as long as the command is neither done nor undone.
     virtual Effect effect() const = 0;
@@ -68,6 +71,7 @@ public:
 
 private:
     std::string m_name;
+    std::uint64_t m_serial;
     std::optional<Recipe> m_recipe;
 };
 
@@ -107,7 +111,6 @@ private:
     bool m_stowed = false;  ///< it was tried
 
     std::vector<std::byte> values() const;
-    void packValues();
 };
 
 /// Adds attributes with columns that are already filled (normals); undoing takes them out again.

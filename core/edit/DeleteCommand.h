@@ -25,7 +25,7 @@ public:
     void spill(SpillFile& file) override { m_points.spill(file); }
     std::size_t memory() const noexcept override { return m_points.memory(); }
     std::size_t spilled() const noexcept override { return m_points.spilled(); }
-    Effect effect() const override { return {}; }
+    Effect effect() const override { return {{}, {}, {}, true}; }
     void cross(const Column&, std::span<std::byte>) const override {}
 
 private:

@@ -112,7 +112,7 @@ void History::move(bool forward)
     // Only a change alters m_commands and m_done, and changes take turns: reading them here needs no lock.
     Command& command = *m_commands[forward ? m_done : m_done - 1];
     command.prepare();
-    if (const auto journal = this->journal()) forward ? journal->redone() : journal->undone();
+    if (const auto journal = this->journal()) journal->moved(command, *m_cloud, forward);
     command.apply(*m_cloud);
     {
         const std::lock_guard lock(m_mutex);
@@ -163,6 +163,9 @@ bool History::spill(Command& command) noexcept
 void History::setJournal(std::shared_ptr<Journal> journal)
 {
     const std::lock_guard lock(m_mutex);
+    std::vector<std::uint64_t> serials;
+    for (const auto& command : m_commands) serials.push_back(command->serial());
+    if (journal) journal->recognize(serials, m_done);
     m_journal = std::move(journal);
 }
 

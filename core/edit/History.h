@@ -2,9 +2,9 @@
 #pragma once
 
 #include "core/edit/Command.h"
+#include "core/edit/HistoryRoom.h"
 
 #include <cstddef>
-#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -23,20 +23,6 @@ struct AttributeChange {
     std::string attribute;
     PointIndex points = 0;
     friend bool operator==(const AttributeChange&, const AttributeChange&) = default;
-};
-
-/// Where a history keeps what undo and redo need.
-struct HistoryRoom {
-    /// Bytes that the commands nearest to the present state may take; the others are packed, and are a little
-    /// slower to undo.
-    std::size_t loose = std::size_t(128) << 20;
-    /// Bytes of memory for all of them together; what goes beyond, farthest from the present state, is moved to a
-    /// file.
-    std::size_t memory = defaultMemory();
-    std::filesystem::path folder{};  ///< of that file; empty: all stays in memory
-
-    /// A sixteenth of what the machine has, and no less than 256 MiB.
-    static std::size_t defaultMemory() noexcept;
 };
 
 /// The commands done to one cloud, in order, and how many of them are in force.
@@ -58,7 +44,8 @@ public:
     void undo();  ///< nothing when there is nothing to undo
     void redo();
 
-    /// From now on each change is noted there before it is done; null: nowhere.
+    /// From now on each change is noted there before it is done; null: nowhere. A new one begins with the present
+    /// state; one that is gone on with has led to it, and its commands are those of this history.
     void setJournal(std::shared_ptr<Journal> journal);
     std::shared_ptr<Journal> journal() const;
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "core/cloud/KeptPoints.h"
-#include "core/cloud/PointCloud.h"
-#include "core/edit/Recipe.h"
+#include "core/edit/JournalText.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -16,44 +16,6 @@ namespace punctum
 {
 
 class Command;
-class Progress;
-
-/// What a journal is about: the points as they were when it was begun. Equal for equal files; headers and other
-/// records do not count.
-struct CloudKey {
-    PointIndex points = 0;
-    std::uint64_t digest = 0;  ///< of scale, offset, and each column's name, type and bytes
-
-    std::string text() const;  ///< "20000000-0123456789abcdef"
-    friend bool operator==(const CloudKey&, const CloudKey&) = default;
-};
-
-/// Reads all points once, in parallel: some GB a second. `kept` (null: all): those of a file that lacks others, the
-/// key is that file's; a column is copied at a time then. Takes cloud.mutex() shared. Throws Cancelled, Error.
-CloudKey keyOf(const PointCloud& cloud, Progress& progress, const KeptPoints* kept = nullptr);
-
-/// One thing that was done.
-struct JournalEntry {
-    enum class Kind {
-        Do,    ///< the recipe was followed
-        Undo,  ///< the last one that is in force was taken back
-        Redo,  ///< the last one that was taken back was done again
-    };
-    Kind kind = Kind::Do;
-    Recipe recipe;
-    std::string name;        ///< what the history calls it
-    PointIndex changed = 0;  ///< points
-};
-
-/// A journal as it was found.
-struct JournalContents {
-    CloudKey key;
-    std::string file;  ///< where the cloud came from
-    std::vector<JournalEntry> entries;
-    std::string damage;  ///< a sentence when the journal could not be read to its end; else empty
-    /// Names of the commands that are in force at the end, oldest first.
-    std::vector<std::string> inForce() const;
-};
 
 /// A file of lines to which each edit is added at once, and on the disk before the edit is done, so that a crash or
 /// power cut loses nothing that was finished.
@@ -76,12 +38,16 @@ public:
     Journal& operator=(const Journal&) = delete;
 
     const std::filesystem::path& path() const noexcept { return m_path; }
+    /// Of one that was resumed: the commands (Command::serial()) that its entries became are the last `position` of
+    /// the history's first `done`, and those that follow.
+    void recognize(const std::vector<std::uint64_t>& history, std::size_t done) noexcept;
 
-    /// None of them throws: an edit is not refused because it cannot be noted down. What failed is told by
-    /// failure(), and nothing is added any more then, as a gap cannot be replayed.
+    /// Neither throws: an edit is not refused because it cannot be noted down. What failed is told by failure().
+    /// After a line that could not be written nothing is added any more, as a gap cannot be replayed; what cannot
+    /// be told leaves a gap for as long as it is in force. A new command is about to be done.
     void done(const Command& command) noexcept;
-    void undone() noexcept;
-    void redone() noexcept;
+    /// One of before is about to be done again, or undone; it is ready for that.
+    void moved(const Command& command, const PointCloud& cloud, bool forward) noexcept;
     /// A sentence; empty while all is well.
     std::string failure() const;
 
@@ -89,17 +55,29 @@ public:
     void remove() noexcept;
 
 private:
+    /// A command that was done or undone since the journal began.
+    struct Move {
+        std::uint64_t serial = 0;
+        bool forward = true;
+        bool noted = true;  ///< has a line
+    };
+
     Journal(std::filesystem::path path, int file) : m_path(std::move(path)), m_file(file) {}
     void add(const std::string& line);
+    JournalEntry entryOf(const Command& command, Recipe recipe) const;
+    template <typename MakeEntry>
+    void push(std::uint64_t serial, bool forward, MakeEntry makeEntry);
     template <typename Work>
     void guarded(Work work) noexcept;
 
     std::filesystem::path m_path;
     mutable std::mutex m_mutex;
     int m_file = -1;
-    std::uint32_t m_sum = 0;        ///< of the line before
-    std::ptrdiff_t m_position = 0;  ///< commands in force that the journal knows
-    std::string m_failure;
+    std::uint32_t m_sum = 0;                   ///< of the line before
+    std::vector<Move> m_moves;                 ///< what a reader's history will have
+    std::size_t m_position = 0;                ///< how many of them are in force
+    std::string m_failure;                     ///< for good
+    std::string m_gap;                         ///< why moves in force have no line; empty: all have
     std::shared_ptr<const KeptPoints> m_kept;  ///< null: all
 };
 

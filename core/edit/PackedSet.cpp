@@ -2,9 +2,9 @@
 #include "core/edit/PackedSet.h"
 
 #include "core/Error.h"
+#include "core/edit/PackedValues.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 
 namespace punctum
@@ -12,8 +12,6 @@ namespace punctum
 
 namespace
 {
-
-constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 void put(std::vector<std::uint8_t>& out, std::uint64_t v)
 {
@@ -94,34 +92,16 @@ PointSet PackedSet::unpacked() const
 
 std::string PackedSet::text() const
 {
-    std::string text;
-    text.reserve((m_runs.size() + 2) / 3 * 4);
-    for (std::size_t k = 0; k < m_runs.size(); k += 3) {
-        const std::size_t n = std::min<std::size_t>(3, m_runs.size() - k);
-        std::uint32_t bits = 0;
-        for (std::size_t b = 0; b < 3; ++b) bits = bits << 8 | (b < n ? m_runs[k + b] : 0u);
-        for (std::size_t d = 0; d < 4; ++d) text += d <= n ? kDigits[bits >> (18 - 6 * d) & 63u] : '=';
-    }
-    return text;
+    return toBase64(std::as_bytes(std::span(m_runs)));
 }
 
 std::optional<PackedSet> PackedSet::fromText(std::string_view text, PointIndex size)
 {
-    if (text.size() % 4 != 0) return {};
-    std::vector<std::uint8_t> runs;
-    runs.reserve(text.size() / 4 * 3);
-    for (std::size_t k = 0; k < text.size(); k += 4) {
-        std::uint32_t bits = 0;
-        std::size_t filled = 0;
-        for (std::size_t d = 0; d < 4; ++d) {
-            const std::size_t digit = kDigits.find(text[k + d]);
-            const bool pad = text[k + d] == '=' && k + 4 == text.size() && d >= 2;
-            if ((digit == std::string_view::npos && !pad) || (!pad && filled != d)) return {};
-            bits = bits << 6 | std::uint32_t(pad ? 0 : digit);
-            if (!pad) ++filled;
-        }
-        for (std::size_t b = 0; b + 1 < filled; ++b) runs.push_back(std::uint8_t(bits >> (16 - 8 * b)));
-    }
+    const auto bytes = fromBase64(text);
+    if (!bytes) return {};
+    std::vector<std::uint8_t> runs(bytes->size());
+    std::transform(bytes->begin(), bytes->end(), runs.begin(),
+                   [](std::byte b) { return std::to_integer<std::uint8_t>(b); });
     return fromRuns(std::move(runs), size);
 }
 

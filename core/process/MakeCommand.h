@@ -11,8 +11,8 @@ namespace punctum
 
 class Progress;
 
-/// Makes the command that a recipe tells of, for this cloud; null when nothing would change. The command keeps the
-/// recipe. Throws as Step::run() does.
+/// Makes the command that a recipe tells of, or a literal of a journal (Literal.h), for this cloud; null when
+/// nothing would change. The command keeps the recipe. Throws as Step::run() does.
 std::unique_ptr<Command> makeCommand(const Recipe& recipe, const PointCloud& cloud, Progress& progress);
 
 }  // namespace punctum

@@ -9,6 +9,7 @@
 #include "core/las/Reader.h"
 #include "core/las/Writer.h"
 #include "core/process/MakeCommand.h"
+#include "core/process/Replay.h"
 #include "core/task/Progress.h"
 #include "tests/core/Complaint.h"
 #include "tests/core/LasFiles.h"
@@ -211,6 +212,50 @@ private slots:
         while (history.canUndo()) history.undo();
         save(*cloud, out);
         QVERIFY(lasfiles::readFile(out) == before);
+    }
+
+    /// Removed, saved in place, undone: a journal tells all of an attribute that the file lacks.
+    void whatAnUndoneSaveRemovedComesBackAfterACrash()
+    {
+        Bytes a = kA;
+        const auto put = [&](std::size_t at, auto value) { std::memcpy(a.data() + at, &value, sizeof value); };
+        put(3, std::uint8_t(1 | 8 | 16));  // no data, scale, offset
+        put(40, std::uint64_t(77));
+        put(112, 0.5);
+        put(136, 10.25);
+        const fs::path path = temp("undone.las"), journal = temp("undone.journal");
+        lasfiles::writeFile(path, lasfiles::file(lasfiles::header(4, 6, kLength, kPoints),
+                                                 {lasfiles::record("LASF_Spec", 4, joined({a, kB, kC}))},
+                                                 lasfiles::randomRecords(6, kLength, kPoints, 8, true)));
+        const auto cloud = load(path);
+        QVERIFY(cloud->findAttribute("A")->scaled && cloud->findAttribute("A")->noData);
+        History history(cloud);
+        Progress progress;
+        for (const char* name : {"A", "C"})
+            history.push(makeCommand({"remove", {{"attribute", name}}, nullptr}, *cloud, progress));
+        history.push(makeCommand({"rename", {{"attribute", "B"}, {"to", "New name"}}, nullptr}, *cloud, progress));
+        save(*cloud, path);
+        history.markSaved();
+        history.setJournal(Journal::create(journal, keyOfFile(*cloud, progress), "a"));
+        while (history.canUndo()) history.undo();
+        QCOMPARE(history.journal()->failure(), std::string());
+
+        const auto reopened = load(path);
+        QVERIFY(reopened->findAttribute("A") == nullptr && reopened->findAttribute("New name") != nullptr);
+        History second(reopened);
+        QCOMPARE(replay(readJournal(journal), *reopened, second, progress).stopped, std::string());
+        for (const Attribute& is : cloud->attributes()) {
+            const Attribute* const got = reopened->findAttribute(is.name);
+            QVERIFY2(got, is.name.c_str());
+            QVERIFY(got->kind == is.kind && got->type() == is.type() && got->noData == is.noData);
+            QVERIFY(got->scaled == is.scaled && got->scale == is.scale && got->offset == is.offset);
+            QVERIFY(got->unit == is.unit && got->description == is.description);
+            const std::size_t bytes = kPoints * is.columns[0]->elementBytes();
+            QVERIFY(std::memcmp(got->columns[0]->data(), is.columns[0]->data(), bytes) == 0);
+        }
+        QCOMPARE(reopened->attributes().size(), cloud->attributes().size());
+        while (second.canUndo()) second.undo();
+        QVERIFY(snapshot(*reopened) == snapshot(*load(path)));
     }
 
 private:

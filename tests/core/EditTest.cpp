@@ -233,7 +233,7 @@ void EditTest::oneMillionOfTwentySwapsFast()
     std::sort(ms.begin(), ms.end());
     qInfo("undo of 1 M of 20 M points: %.1f ms (fastest %.1f, slowest %.1f)", ms[3], ms.front(), ms.back());
 #if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-    QVERIFY2(ms[3] < 50.0, "median of undo and redo");
+    if (!onDisk) QVERIFY2(ms[3] < 50.0, "median of undo and redo");
 #endif
 }
 

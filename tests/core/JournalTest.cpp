@@ -40,6 +40,21 @@ std::shared_ptr<PointCloud> makeCloud()
     return cloud;
 }
 
+/// The cloud, edited from its beginning with a journal beside it.
+struct Edited {
+    QTemporaryDir folder{};
+    std::string path = folder.filePath(QStringLiteral("a.journal")).toStdString();
+    std::shared_ptr<PointCloud> cloud = makeCloud();
+    History history{cloud};
+    Progress progress{};
+
+    explicit Edited(const std::string& file = "a") { begin(file); }
+    void begin(const std::string& file)
+    {
+        history.setJournal(Journal::create(path, keyOf(*cloud, progress), file));
+    }
+};
+
 /// The k-th of a row of random edits; nothing for an undo (1) or redo (2).
 struct Edit {
     int kind = 0;
@@ -171,12 +186,8 @@ private slots:
 
     void whatWasDoneIsDoneAgain()
     {
-        const QTemporaryDir folder;
-        const std::string path = folder.filePath(QStringLiteral("a.journal")).toStdString();
-        const auto cloud = makeCloud();
-        Progress progress;
-        History history(cloud);
-        history.setJournal(Journal::create(path, keyOf(*cloud, progress), "/some where/a%20b.las"));
+        Edited edited("/some where/a%20b.las");
+        auto& [folder, path, cloud, history, progress] = edited;
         QVERIFY(isJournalInUse(path));
         std::size_t entries = 0;
         for (int k = 0; k < 120; ++k) entries += follow(history, *cloud, editOf(3, k)) ? 1 : 0;
@@ -222,12 +233,8 @@ private slots:
 
     void stepsThatChangeOtherPointsAreToldApart()
     {
-        const QTemporaryDir folder;
-        const std::string path = folder.filePath(QStringLiteral("a.journal")).toStdString();
-        const auto cloud = makeCloud();
-        Progress progress;
-        History history(cloud);
-        history.setJournal(Journal::create(path, keyOf(*cloud, progress), "a"));
+        Edited edited;
+        auto& [folder, path, cloud, history, progress] = edited;
         follow(history, *cloud, {0, {"set", {{"rule", "Classification = 2 if Z > 5"}}, nullptr}});
         follow(history, *cloud, {0, {"set", {{"rule", "Classification = 3 if Z > 2"}}, nullptr}});
         JournalContents contents = readJournal(path);
@@ -240,30 +247,45 @@ private slots:
         QCOMPARE(second.position(), std::size_t(1));
     }
 
-    void undoneSavesEndTheJournal()
+    /// What is undone of before the journal began is told by values.
+    void undoneSavesAreToldByValues()
     {
-        const QTemporaryDir folder;
-        const std::string path = folder.filePath(QStringLiteral("a.journal")).toStdString();
-        const auto cloud = makeCloud();
-        Progress progress;
-        History history(cloud);
-        follow(history, *cloud, {0, {"set", {{"rule", "Classification = 2 if Z > 5"}}, nullptr}});
+        Edited edited;
+        auto& [folder, path, cloud, history, progress] = edited;
+        const auto first = [&](History& h, const PointCloud& c) {
+            follow(h, c, {0, {"set", {{"rule", "Classification = 2 if Z > 5"}}, nullptr}});
+            follow(h, c, {0, {"delete", {{"where", "Z < 1"}}, nullptr}});
+            follow(h, c, {0, {"restore", {}, nullptr}});
+        };
+        history.setJournal(nullptr);
+        first(history, *cloud);
         history.markSaved();
-        history.setJournal(Journal::create(path, keyOf(*cloud, progress), "a"));
-        history.undo();
-        QVERIFY(history.journal()->failure().find("has been undone") != std::string::npos);
+        edited.begin("a");
+        for (int k = 0; k < 3; ++k) history.undo();
+        history.redo();
         follow(history, *cloud, {0, {"set", {{"rule", "Classification = 3 if Z > 5"}}, nullptr}});
-        QVERIFY(readJournal(path).entries.empty());
+        QCOMPARE(history.journal()->failure(), std::string());
+        const JournalContents contents = readJournal(path);
+        QVERIFY((contents.inForce() == std::vector<std::string>{"Undo Restore deleted points",
+                                                                "Undo Delete where Z < 1",
+                                                                "Set Classification = 3 if Z > 5"}));
+        const auto saved = makeCloud();
+        History second(saved);
+        first(second, *saved);
+        QCOMPARE(replay(contents, *saved, second, progress).stopped, std::string());
+        QVERIFY(snapshot(*saved) == snapshot(*cloud));
+        // gone on with, the journal knows its own commands
+        history.setJournal(nullptr);
+        second.setJournal(Journal::resume(path));
+        const std::size_t entries = contents.entries.size();
+        second.undo();
+        QVERIFY(readJournal(path).entries[entries].kind == JournalEntry::Kind::Undo);
     }
 
     void damageIsFoundAndTold()
     {
-        const QTemporaryDir folder;
-        const std::string path = folder.filePath(QStringLiteral("a.journal")).toStdString();
-        const auto cloud = makeCloud();
-        Progress progress;
-        History history(cloud);
-        history.setJournal(Journal::create(path, keyOf(*cloud, progress), "a"));
+        Edited edited;
+        auto& [folder, path, cloud, history, progress] = edited;
         std::size_t entries = 0;
         for (int k = 0; k < 12; ++k) entries += follow(history, *cloud, editOf(7, k)) ? 1 : 0;
         history.setJournal(nullptr);

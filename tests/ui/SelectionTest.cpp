@@ -269,7 +269,8 @@ private slots:
         QTest::addColumn<QByteArray>("settings");
         QTest::addColumn<QString>("kept");
         QTest::newRow("from memory") << QByteArray() << QStringLiteral(" in memory");
-        QTest::newRow("from the disk") << QByteArray("[edit]\nundoMemory=0\n") << QStringLiteral("bytes on the disk");
+        QTest::newRow("from the disk") << QByteArray("[edit]\nundoMemory=0\n")
+                                       << QStringLiteral("bytes on the disk");
     }
 
     void keysSetClassesAndUndoBringsThemBack()
@@ -375,6 +376,38 @@ private slots:
         QVERIFY(b.begin(Tool::None, file));
         QVERIFY(b.done());
         QCOMPARE(b.document->data()->history->position(), std::size_t(0));
+    }
+
+    /// Saved, undone beyond that, and crashed: the journal is of the file that was saved, and leads to what was
+    /// seen.
+    void undoneSavesComeBackAfterACrash()
+    {
+        NEED_AUTZEN();
+        const QTemporaryDir folder;
+        const QString file = folder.filePath(QStringLiteral("a.laz"));
+        QVERIFY(QFile::copy(dataFile(kAutzen), file));
+        Bench b(folder.filePath(QStringLiteral("s.ini")));
+        QVERIFY(b.begin(Tool::Rectangle, file));
+        b.drag(b.at(0.3, 0.3), b.at(0.6, 0.6));
+        QVERIFY(b.done());
+        QVERIFY(b.runEdit([&] { b.key(Qt::Key_6); }));
+        b.window->save();
+        QVERIFY(waitFor([&] { return !b.window->isWindowModified(); }) && b.done());
+        QTest::keyClick(&b.view(), Qt::Key_Z, Qt::ControlModifier);
+        QVERIFY(waitFor([&] { return b.document->data()->history->position() == 0; }) && b.done());
+        QVERIFY(!b.document->data()->journalTold);
+        const QDir journals(folder.filePath(QStringLiteral("journals")));
+        const QStringList found = journals.entryList({QStringLiteral("*.journal")}, QDir::Files);
+        QCOMPARE(found.size(), 1);
+        Progress progress;
+        const auto reopened = las::load(file.toStdString(), progress);
+        History history(reopened);
+        const JournalContents journal = readJournal(journals.filePath(found.front()).toStdString());
+        QCOMPARE(journal.inForce(), std::vector<std::string>{"Undo Set Classification = 6"});
+        QCOMPARE(replay(journal, *reopened, history, progress).stopped, std::string());
+        const Attribute& is = *reopened->findAttribute("Classification");
+        const Attribute expected = *b.document->findAttribute(QStringLiteral("Classification"));
+        for (PointIndex i = 0; i < reopened->size(); ++i) QCOMPARE(is.number(i), expected.number(i));
     }
 
     void deletedPointsAreGoneUntilRestored()

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/edit/CloudKey.h"
+#include "core/edit/Recipe.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace punctum
+{
+
+/// One thing that was done.
+struct JournalEntry {
+    enum class Kind {
+        Do,    ///< the recipe was followed
+        Undo,  ///< the last one that is in force was taken back
+        Redo,  ///< the last one that was taken back was done again
+    };
+    Kind kind = Kind::Do;
+    Recipe recipe;           ///< of a step, or a literal (Literal.h)
+    std::string name;        ///< what the history calls it
+    PointIndex changed = 0;  ///< points
+};
+
+/// A journal as it was found.
+struct JournalContents {
+    CloudKey key;
+    std::string file;  ///< where the cloud came from
+    std::vector<JournalEntry> entries;
+    std::string damage;  ///< a sentence when the journal could not be read to its end; else empty
+    /// Names of the commands that are in force at the end, oldest first.
+    std::vector<std::string> inForce() const;
+};
+
+// -- the lines of a journal (docs/dev/journal.md), without the sum at their end
+
+inline constexpr std::string_view kJournalFirstLine = "punctum-journal 1";
+std::string journalCloudLine(const CloudKey& key, const std::string& file);
+/// A Do; the points of its recipe are those of the cloud that the key is of.
+std::string journalLine(const JournalEntry& entry);
+/// The line with its sum and its end; `sum`: of the line before, becomes that of this one.
+std::string summed(const std::string& line, std::uint32_t& sum);
+
+/// What of a journal's bytes is sound.
+struct SoundJournal {
+    JournalContents contents;
+    std::uint32_t sum = 0;     ///< of the last sound line
+    std::size_t bytes = 0;     ///< up to its end
+    std::size_t position = 0;  ///< commands in force
+    std::size_t undone = 0;    ///< commands that can be redone
+};
+/// Throws Error when not even the beginning is a journal's.
+SoundJournal soundPart(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace punctum
