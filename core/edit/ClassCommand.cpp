@@ -61,17 +61,27 @@ public:
             const std::unique_lock lock(cloud.mutex());
             if (!std::exchange(m_filled, true)) fill();
             cloud.replaceAttribute(m_done ? m_narrow : m_wide);
+            m_detached.clear();
+            if (m_done) m_detached.add(m_wide.columns[0]);
         }
         cloud.notify(m_notice);
         if (!m_done) m_edit->apply(cloud);
         m_done = !m_done;
     }
 
-    void prepare() override { m_edit->prepare(); }
+    void prepare() override
+    {
+        m_edit->prepare();
+        m_detached.fetch();
+    }
     void stow() noexcept override { m_edit->stow(); }
-    void spill(SpillFile& file) override { m_edit->spill(file); }
-    std::size_t memory() const noexcept override { return m_edit->memory() + std::size_t(m_narrow.size()); }
-    std::size_t spilled() const noexcept override { return m_edit->spilled(); }
+    void spill(SpillFile& file) override
+    {
+        m_edit->spill(file);
+        m_detached.spill(file);
+    }
+    std::size_t memory() const noexcept override { return m_edit->memory() + m_detached.memory(); }
+    std::size_t spilled() const noexcept override { return m_edit->spilled() + m_detached.spilled(); }
 
     Effect effect() const override { return {{m_wide.columns[0]}, {m_wide}, {m_narrow}}; }
     void cross(const Column& column, std::span<std::byte> values) const override { m_edit->cross(column, values); }
@@ -91,6 +101,7 @@ private:
         });
     }
 
+    DetachedColumns m_detached;
     Attribute m_narrow, m_wide;
     std::unique_ptr<ValueCommand> m_edit;
     ChangeNotice m_notice;

@@ -249,9 +249,19 @@ void AttributesCommand::apply(PointCloud& cloud) noexcept
         for (const Attribute& attribute : m_done ? m_added : m_displaced) cloud.removeAttribute(attribute.name);
         for (const Attribute& attribute : m_done ? m_displaced : m_added) addWithColumns(cloud, attribute);
         m_done = !m_done;
+        keepDetached(cloud);
     }
     if (!m_list.attributes.empty()) cloud.notify(m_list);
     if (!m_values.attributes.empty()) cloud.notify(m_values);
+}
+
+void AttributesCommand::keepDetached(const PointCloud& cloud)
+{
+    m_detached.clear();
+    for (const Trade& trade : m_trades) m_detached.add(trade.ours);
+    for (const Attribute& attribute : m_done ? m_displaced : m_added)
+        for (std::uint32_t c = 0; c < attribute.components; ++c)
+            if (!contains(cloud.columns(), attribute.columns[c])) m_detached.add(attribute.columns[c]);
 }
 
 Command::Effect AttributesCommand::effect() const

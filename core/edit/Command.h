@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/cloud/PointCloud.h"
+#include "core/edit/DetachedColumns.h"
 #include "core/edit/PackedSet.h"
 #include "core/edit/Recipe.h"
 #include "core/edit/SpillFile.h"
@@ -20,7 +21,8 @@ namespace punctum
 /// One change to a cloud that can be undone and redone.
 ///
 /// A command is made (by a processing step or a tool) holding the new values; apply() swaps them with the cloud's,
-/// so that applying again undoes it. Memory: the changed values and a bit a point, or the added columns.
+/// so that applying again undoes it. Memory: the changed values and a bit a point, or the columns that the
+/// cloud does not have.
 class Command
 {
 public:
@@ -126,6 +128,10 @@ public:
 
     PointIndex changedPoints() const noexcept override { return m_changedPoints; }
     void apply(PointCloud& cloud) noexcept override;
+    void prepare() override { m_detached.fetch(); }
+    void spill(SpillFile& file) override { m_detached.spill(file); }
+    std::size_t memory() const noexcept override { return m_detached.memory(); }
+    std::size_t spilled() const noexcept override { return m_detached.spilled(); }
     Effect effect() const override;
     void cross(const Column& column, std::span<std::byte> values) const override;
 
@@ -139,7 +145,9 @@ private:
 
     void plan(const PointCloud& cloud);
     bool planTrade(const Attribute& theirs, const Attribute& ours);
+    void keepDetached(const PointCloud& cloud);
 
+    DetachedColumns m_detached;           ///< once planned: what the cloud does not have
     std::vector<Attribute> m_attributes;  ///< what was asked for; empty once planned
     PointIndex m_changedPoints = 0;
     bool m_planned = false;

@@ -71,6 +71,10 @@ void ListCommand::apply(PointCloud& cloud) noexcept
         // Made once: a command is undone and redone on the same state of the cloud.
         if (!std::exchange(m_planned, true)) plan(cloud);
         cloud.exchangeLists(m_columns, m_attributes);
+        m_detached.clear();
+        for (const auto& column : m_columns)
+            if (std::find(cloud.columns().begin(), cloud.columns().end(), column) == cloud.columns().end())
+                m_detached.add(column);
     }
     cloud.notify(m_notice);
 }

@@ -22,6 +22,10 @@ public:
     /// A name is no value of a point.
     PointIndex changedPoints() const noexcept override { return m_to.empty() ? m_attribute.size() : 0; }
     void apply(PointCloud& cloud) noexcept override;
+    void prepare() override { m_detached.fetch(); }
+    void spill(SpillFile& file) override { m_detached.spill(file); }
+    std::size_t memory() const noexcept override { return m_detached.memory(); }
+    std::size_t spilled() const noexcept override { return m_detached.spilled(); }
     Effect effect() const override { return m_effect; }
     void cross(const Column&, std::span<std::byte>) const override {}
 
@@ -29,6 +33,7 @@ private:
     ListCommand(std::string name, Attribute attribute, std::string to);
     void plan(const PointCloud& cloud);
 
+    DetachedColumns m_detached;
     Attribute m_attribute;
     std::string m_to;  ///< empty: it is removed
     bool m_planned = false;

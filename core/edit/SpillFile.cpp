@@ -5,6 +5,7 @@
 
 #include <fcntl.h>
 #include <stdlib.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -54,6 +55,13 @@ void SpillFile::Piece::read(std::span<std::byte> out) const
     }
 }
 
+void SpillFile::Piece::mapOver(std::byte* pages) const
+{
+    if (::mmap(pages, m_size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_FIXED, m_file->m_file, off_t(m_at)) ==
+        MAP_FAILED)
+        failWriting(errno);
+}
+
 std::shared_ptr<SpillFile> SpillFile::create(const std::filesystem::path& folder)
 {
     std::error_code ignored;
@@ -70,9 +78,9 @@ SpillFile::~SpillFile()
     ::close(m_file);
 }
 
-SpillFile::Piece SpillFile::write(std::span<const std::byte> bytes)
+SpillFile::Piece SpillFile::write(std::span<const std::byte> bytes, std::size_t alignment)
 {
-    Piece piece(shared_from_this(), take(bytes.size()), bytes.size());
+    Piece piece(shared_from_this(), take(bytes.size(), alignment), bytes.size());
     for (std::size_t done = 0; done < bytes.size();) {
         const ssize_t n = ::pwrite(m_file, bytes.data() + done, bytes.size() - done, off_t(piece.m_at + done));
         if (n < 0 && errno == EINTR) continue;
@@ -88,19 +96,26 @@ std::uint64_t SpillFile::length() const
     return m_length;
 }
 
-/// The first gap that is large enough, or more of the file.
-std::uint64_t SpillFile::take(std::size_t bytes)
+/// In the first gap that is large enough, or more of the file.
+std::uint64_t SpillFile::take(std::size_t bytes, std::size_t alignment)
 {
+    const auto aligned = [&](std::uint64_t at) { return (at + alignment - 1) & ~std::uint64_t(alignment - 1); };
     const std::lock_guard lock(m_mutex);
     for (auto gap = m_free.begin(); gap != m_free.end(); ++gap) {
-        if (gap->second - gap->first < bytes) continue;
-        const std::uint64_t at = gap->first;
-        auto node = m_free.extract(gap);
-        node.key() += bytes;
-        if (node.key() != node.mapped()) m_free.insert(std::move(node));
+        const auto [first, last] = *gap;
+        const std::uint64_t at = aligned(first);
+        if (at > last || last - at < bytes) continue;
+        if (at + bytes != last) m_free.emplace(at + bytes, last);
+        if (at != first)
+            gap->second = at;
+        else
+            m_free.erase(gap);
         return at;
     }
-    return std::exchange(m_length, m_length + bytes);
+    const std::uint64_t at = aligned(m_length);
+    if (at != m_length) m_free.emplace(m_length, at);
+    m_length = at + bytes;
+    return at;
 }
 
 void SpillFile::giveBack(std::uint64_t at, std::size_t bytes) noexcept

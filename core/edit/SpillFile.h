@@ -31,6 +31,9 @@ public:
         std::size_t size() const noexcept { return m_size; }
         /// `out`: size() bytes. Throws Error.
         void read(std::span<std::byte> out) const;
+        /// Puts it into the place of these pages of private memory, which hold the same; both are whole pages.
+        /// Writing there does not change the file. Throws Error.
+        void mapOver(std::byte* pages) const;
 
     private:
         friend class SpillFile;
@@ -50,13 +53,13 @@ public:
     SpillFile(const SpillFile&) = delete;
     SpillFile& operator=(const SpillFile&) = delete;
 
-    /// Throws Error when the disk has no room.
-    Piece write(std::span<const std::byte> bytes);
+    /// `alignment`: of its place in the file, a power of two. Throws Error when the disk has no room.
+    Piece write(std::span<const std::byte> bytes, std::size_t alignment = 1);
     std::uint64_t length() const;  ///< bytes up to the end of the last piece
 
 private:
     explicit SpillFile(int file) : m_file(file) {}
-    std::uint64_t take(std::size_t bytes);
+    std::uint64_t take(std::size_t bytes, std::size_t alignment);
     void giveBack(std::uint64_t at, std::size_t bytes) noexcept;
 
     int m_file;
