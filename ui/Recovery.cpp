@@ -69,7 +69,11 @@ void Recovery::noteDown(OpenCloud& data, Progress& progress) noexcept
     };
     try {
         if (const auto journal = data.history->journal()) {
-            if (const std::string failure = journal->failure(); !failure.empty()) tell(failure);
+            const std::string failure = journal->failure();
+            if (failure.empty())
+                data.journalTold = false;
+            else
+                tell(failure);
             return;
         }
         if (data.history->modified())

@@ -207,10 +207,10 @@ SoundJournal soundPart(const std::filesystem::path& path, const std::string& tex
         }
         const std::string_view whole(text.data() + at, end - at);
         std::uint32_t sum = 0;
-        const bool summed = whole.size() > kSumDigits + 1 && whole[whole.size() - kSumDigits - 1] == ' ' &&
+        const bool hasSum = whole.size() > kSumDigits + 1 && whole[whole.size() - kSumDigits - 1] == ' ' &&
                             parse(whole.substr(whole.size() - kSumDigits), sum, 16);
-        const std::string_view line = summed ? whole.substr(0, whole.size() - kSumDigits - 1) : whole;
-        if (!summed || crc32(sound.sum, line) != sum) {
+        const std::string_view line = hasSum ? whole.substr(0, whole.size() - kSumDigits - 1) : whole;
+        if (!hasSum || crc32(sound.sum, line) != sum) {
             damaged("damaged");
             break;
         }

@@ -300,7 +300,7 @@ private slots:
     {
         std::mt19937_64 random(std::random_device{}());
         std::size_t most = 0;
-        for (std::uint64_t round = 0; round < 100; ++round) {
+        for (std::uint64_t round = 0; round < 40; ++round) {
             makeFile(m_path);
             const Session found{m_path, journals(round)};
             QProcess child;
