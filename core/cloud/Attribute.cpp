@@ -188,19 +188,27 @@ void gatherNumbers(const Attribute& a, const Indices& indices, double bias, floa
     });
 }
 
-template <typename Indices>
-void gatherRawBits(const Attribute& a, const Indices& indices, std::uint32_t* out, std::uint32_t component)
+template <typename Indices, typename Out>
+void gatherRawBits(const Attribute& a, const Indices& indices, Out* out, std::uint32_t component)
 {
     visitScalar(a.columns[component]->type(), [&](auto zero) {
         using T = decltype(zero);
         const RawReader<T> raw(a, component);
         if constexpr (std::is_integral_v<T>) {
-            if (raw.width == 0 && raw.stride == 1)  // said, so that it becomes a loop over vectors
-                for (std::size_t k = 0; k < indices.size(); ++k) out[k] = std::uint32_t(raw.data[indices[k]]);
+            if (raw.stride != 1) {
+                for (std::size_t k = 0; k < indices.size(); ++k) out[k] = Out(raw(indices[k]));
+                return;
+            }
+            // said apart, so that they become loops over vectors
+            using U = std::make_unsigned_t<T>;
+            const U mask = U((std::uint64_t(1) << raw.width) - 1);
+            if (raw.width == 0)
+                for (std::size_t k = 0; k < indices.size(); ++k) out[k] = Out(raw.data[indices[k]]);
             else
-                for (std::size_t k = 0; k < indices.size(); ++k) out[k] = std::uint32_t(raw(indices[k]));
+                for (std::size_t k = 0; k < indices.size(); ++k)
+                    out[k] = Out(T(U(U(raw.data[indices[k]]) >> raw.shift) & mask));
         } else {
-            std::fill_n(out, indices.size(), 0u);
+            std::fill_n(out, indices.size(), Out(0));
         }
     });
 }
@@ -225,6 +233,11 @@ void Attribute::gatherBits(std::span<const std::uint32_t> indices, std::uint32_t
 }
 
 void Attribute::gatherBits(PointRange range, std::uint32_t* out, std::uint32_t component) const
+{
+    gatherRawBits(*this, Consecutive{range}, out, component);
+}
+
+void Attribute::gatherBits(PointRange range, std::uint8_t* out, std::uint32_t component) const
 {
     gatherRawBits(*this, Consecutive{range}, out, component);
 }

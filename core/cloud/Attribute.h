@@ -71,9 +71,10 @@ struct Attribute {
     /// of large values such as GPS time.
     void gather(std::span<const std::uint32_t> indices, double bias, float* out, std::uint32_t component = 0) const;
     void gather(PointRange range, double bias, float* out, std::uint32_t component = 0) const;
-    /// Raw bits of integral or bit-field attributes of the points listed, cut to 32 bits.
+    /// Raw bits of integral or bit-field attributes of the points listed, cut to the 32 or 8 bits of `out`.
     void gatherBits(std::span<const std::uint32_t> indices, std::uint32_t* out, std::uint32_t component = 0) const;
     void gatherBits(PointRange range, std::uint32_t* out, std::uint32_t component = 0) const;
+    void gatherBits(PointRange range, std::uint8_t* out, std::uint32_t component = 0) const;
 };
 
 /// What can be computed of one component over all points.

@@ -57,7 +57,7 @@ std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility
         visibility.clip.box ? rawInside(*visibility.clip.box, cloud.coordinates()) : RawBounds{};
     const auto x = cloud.rawX(), y = cloud.rawY(), z = cloud.rawZ();
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
-        std::uint32_t codes[64];
+        std::uint8_t codes[64];
         for (std::size_t w = firstWord; w != lastWord; ++w) {
             if (among != nullptr && among->words()[w] == 0) continue;
             const PointRange range{w * 64, std::min<PointIndex>(cloud.size(), w * 64 + 64)};
@@ -66,7 +66,7 @@ std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility
                 hidden = visibility.filtered->words()[w];
             if (classes) classes->gatherBits(range, codes);
             for (PointIndex i = range.first; i < range.last; ++i) {
-                bool out = classes && !visibility.classVisible[codes[i - range.first] & 255u];
+                bool out = classes && !visibility.classVisible[codes[i - range.first]];
                 if (visibility.clip.box)
                     out |= (x[i] < inside.min.x) | (x[i] > inside.max.x) | (y[i] < inside.min.y) |
                            (y[i] > inside.max.y) | (z[i] < inside.min.z) | (z[i] > inside.max.z);

@@ -23,7 +23,10 @@ namespace
 
 constexpr std::size_t kBlockBytes = std::size_t(5) << 17;  ///< LAS: read at once by a thread; stays in its L2 cache
 constexpr std::size_t kSliceBytes = std::size_t(1) << 18;
+constexpr std::uint64_t kSlicePoints = 64;       ///< whole cache lines in each column
 constexpr std::uint64_t kMostInBlock = 1 << 14;  ///< points, LAS
+/// LAS: blocks that a thread reads in a row, because points of neighboring blocks share cache lines where they go.
+constexpr std::uint64_t kRowOfBlocks = 4;
 constexpr std::uint64_t kMostInBatch = 1 << 16;  ///< points handed on at once, LAZ
 constexpr std::size_t kMostWarnings = 10;        ///< of damaged chunks, one sentence each
 constexpr std::uint64_t kDecodeStep = 2048;      ///< points between two looks at the cancel flag
@@ -81,6 +84,7 @@ struct Reader::Impl {
     ParsedFile parsed;
 
     void visitPlain(Shared& shared) const;
+    void visitBlock(PointRange block, std::vector<std::byte>& scratch, Shared& shared) const;
     /// What a worker keeps from chunk to chunk.
     struct ChunkWorker {
         std::vector<std::byte> data, records;
@@ -129,25 +133,34 @@ void Reader::Impl::visitPlain(Shared& shared) const
     const std::uint64_t length = s.layout.length;
     // Powers of two: whole groups of those who deal the points out, and of 64, which share the words of sets.
     std::uint64_t block = std::bit_floor(std::clamp<std::uint64_t>(kBlockBytes / length, 64, kMostInBlock));
-    while ((s.pointCount + block - 1) / block > UINT32_MAX) block *= 2;
-    const auto blocks = std::uint32_t((s.pointCount + block - 1) / block);
-    const std::vector<std::uint32_t> order = spreadOrder(blocks);
+    while (s.pointCount / block / kRowOfBlocks >= UINT32_MAX) block *= 2;
+    const std::uint64_t row = block * kRowOfBlocks;
+    const auto rows = std::uint32_t((s.pointCount + row - 1) / row);
+    const std::vector<std::uint32_t> order = spreadOrder(rows);
     forEachInOrder(order.size(), [&](std::vector<std::byte>& scratch, std::size_t turn) {
-        shared.progress.check();
-        const std::uint64_t k = order[turn];
-        const PointRange range{k * block, std::min((k + 1) * block, s.pointCount)};
-        // read in slices, so that records, columns and what is made of them fit the cache together
-        const std::uint64_t slice = std::max<std::uint64_t>(1, std::min(block, kSliceBytes / length));
-        scratch.resize(std::size_t(slice * length));
-        for (PointIndex first = range.first; first < range.last; first += slice) {
-            const PointRange part{first, std::min(first + slice, range.last)};
-            const auto records = std::span(scratch).first(std::size_t(part.size() * length));
-            file.readAt(s.header.pointOffset() + part.first * length, records);
-            shared.receiver.records(part, records);
-        }
-        shared.receiver.arrived(range);
-        shared.progress.add(range.size());
+        const PointIndex rowFirst = order[turn] * row, rowLast = std::min(rowFirst + row, s.pointCount);
+        for (PointIndex first = rowFirst; first < rowLast; first += block)
+            visitBlock({first, std::min(first + block, rowLast)}, scratch, shared);
     });
+}
+
+/// Reads in slices, so that records, columns and what is made of them fit the cache together.
+void Reader::Impl::visitBlock(PointRange block, std::vector<std::byte>& scratch, Shared& shared) const
+{
+    shared.progress.check();
+    const SourceFile& s = *parsed.source;
+    const std::uint64_t length = s.layout.length;
+    const std::uint64_t slice =
+        std::min(block.size(), std::max<std::uint64_t>(1, kSliceBytes / length / kSlicePoints) * kSlicePoints);
+    scratch.resize(std::size_t(slice * length));
+    for (PointIndex first = block.first; first < block.last; first += slice) {
+        const PointRange part{first, std::min(first + slice, block.last)};
+        const auto records = std::span(scratch).first(std::size_t(part.size() * length));
+        file.readAt(s.header.pointOffset() + part.first * length, records);
+        shared.receiver.records(part, records);
+    }
+    shared.receiver.arrived(block);
+    shared.progress.add(block.size());
 }
 
 /// Decodes a chunk batch by batch. When the decoder fails, the points of that batch and all later ones are missing.
@@ -249,20 +262,34 @@ struct Seen {
     RawBounds bounds;
     std::array<std::uint64_t, 16> byReturn{};
 
+    /// Whether none of these points is outside the bounds so far, as it soon is: half the work of new ones.
+    bool within(const std::int32_t* const axes[3], std::size_t n) const
+    {
+        if (bounds.empty()) return false;
+        bool outside = false;
+        for (int a = 0; a < 3; ++a) {
+            const auto low = std::int32_t(bounds.min[a]), high = std::int32_t(bounds.max[a]);
+            int any = 0;
+            for (std::size_t i = 0; i < n; ++i) any |= int(axes[a][i] < low) | int(axes[a][i] > high);
+            outside |= any != 0;
+        }
+        return !outside;
+    }
+    void extend(const std::int32_t* const axes[3], std::size_t n)
+    {
+        for (int a = 0; a < 3; ++a) {
+            std::int32_t low = INT32_MAX, high = INT32_MIN;
+            for (std::size_t i = 0; i < n; ++i) {
+                low = std::min(low, axes[a][i]);
+                high = std::max(high, axes[a][i]);
+            }
+            bounds.min[a] = std::min<std::int64_t>(bounds.min[a], low);
+            bounds.max[a] = std::max<std::int64_t>(bounds.max[a], high);
+        }
+    }
     void include(const std::int32_t* const axes[3], const std::uint8_t* returns, std::size_t n, std::uint8_t mask)
     {
-        std::int32_t low[3], high[3];
-        for (int a = 0; a < 3; ++a) {
-            std::int32_t lo = INT32_MAX, hi = INT32_MIN;
-            for (std::size_t i = 0; i < n; ++i) {
-                lo = std::min(lo, axes[a][i]);
-                hi = std::max(hi, axes[a][i]);
-            }
-            low[a] = lo;
-            high[a] = hi;
-        }
-        bounds.include(low[0], low[1], low[2]);
-        bounds.include(high[0], high[1], high[2]);
+        if (!within(axes, n)) extend(axes, n);
         // Four tables: neighbours often have the same value, and must not wait for each other.
         std::uint32_t counts[4][256] = {};
         std::size_t i = 0;
@@ -286,14 +313,14 @@ ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& 
     const auto returnsField = std::size_t(layout.returnsColumn());
     const std::uint8_t returnMask = isExtendedFormat(layout.shownFormat()) ? 15 : 7;
     tbb::enumerable_thread_specific<Seen> seen;
+    const Deinterleaver deinterleave(layout);
 
     Receiver receiver;
     receiver.records = [&](PointRange range, std::span<const std::byte> records) {
         std::vector<std::byte*> columns(all);
         for (std::size_t k = 0; k < all; ++k)
             columns[k] = cloud.columns()[k]->data() + range.first * layout.field(std::int32_t(k)).bytes();
-        deinterleave(layout, records.data(), std::size_t(range.size()),
-                     std::span(columns).first(layout.fields.size()));
+        deinterleave(records.data(), std::size_t(range.size()), std::span(columns).first(layout.fields.size()));
         decodeCompatible(layout, columns, std::size_t(range.size()));
     };
     receiver.arrived = [&](PointRange range) {

@@ -96,13 +96,13 @@ public:
     {
         if (m_touchable.hidden) bits &= ~m_touchable.hidden->words()[word];
         if (bits == 0 || !m_classes.columns[0]) return bits;
-        std::array<std::uint32_t, 64> codes;
+        std::array<std::uint8_t, 64> codes;
         const PointRange points{PointIndex(word) * 64, std::min(PointIndex(word) * 64 + 64, m_classes.size())};
         m_classes.gatherBits(points, codes.data());
         std::uint64_t kept = 0;
         for (std::uint64_t left = bits; left != 0; left &= left - 1) {
             const auto k = unsigned(std::countr_zero(left));
-            if (m_touchable.classes[codes[k] & 255u]) kept |= std::uint64_t(1) << k;
+            if (m_touchable.classes[codes[k]]) kept |= std::uint64_t(1) << k;
         }
         return kept;
     }

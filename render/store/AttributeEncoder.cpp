@@ -74,6 +74,24 @@ PointIndex pointAt(PointRange range, std::size_t k)
     return range.first + k;
 }
 
+/// Words of colors, whose channels are shifted right and cut to 255. Returns all bits of the shifted channels.
+template <std::size_t N>
+std::uint32_t packColors(const std::uint32_t (&channels)[3][N], int shift, std::size_t count, std::uint32_t* words)
+{
+    std::uint32_t seen = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::uint32_t r = channels[0][k] >> shift, g = channels[1][k] >> shift, b = channels[2][k] >> shift;
+        seen |= r | g | b;
+        words[k] = 0xFF000000u | b << 16 | g << 8 | r;
+    }
+    if (seen > 255)
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto cut = [&](int c) { return std::min(channels[c][k] >> shift, 255u); };
+            words[k] = 0xFF000000u | cut(2) << 16 | cut(1) << 8 | cut(0);
+        }
+    return seen;
+}
+
 }  // namespace
 
 template <typename Points>
@@ -93,7 +111,7 @@ bool AttributeEncoder::encodeParts(std::size_t count, const Part& part, std::uin
 {
     static_assert(sizeof(float) == sizeof(std::uint32_t));
     float values[kBlock];
-    std::uint32_t channel[kBlock];
+    std::uint32_t channels[3][kBlock];
     std::uint32_t seen = 0;  // all bits of all channels
     for (std::size_t at = 0; at < count; at += kBlock) {
         const std::size_t n = std::min(kBlock, count - at);
@@ -115,16 +133,10 @@ bool AttributeEncoder::encodeParts(std::size_t count, const Part& part, std::uin
         } else if (m_kind != WordKind::Color) {
             m_attribute.gatherBits(points, words);
         } else {
-            std::fill_n(words, n, 0xFF000000u);
-            for (std::uint32_t c = 0; c < 3; ++c) {
-                m_attribute.gatherBits(points, channel, c);
-                std::uint32_t bits = 0;
-                for (std::size_t k = 0; k < n; ++k) bits |= channel[k] >>= m_colorShift;
-                if (bits > 255)
-                    for (std::size_t k = 0; k < n; ++k) channel[k] = std::min(channel[k], 255u);
-                for (std::size_t k = 0; k < n; ++k) words[k] |= channel[k] << (8 * c);
-                seen |= bits;
-            }
+            m_attribute.gatherBits(points, channels[0], 0);
+            m_attribute.gatherBits(points, channels[1], 1);
+            m_attribute.gatherBits(points, channels[2], 2);
+            seen |= packColors(channels, m_colorShift, n, words);
         }
         if (m_selection) markSelected(points, n, words);
     }

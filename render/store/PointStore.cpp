@@ -28,6 +28,8 @@ constexpr PointIndex kPutPoints = 16384;
 constexpr std::uint32_t kMostGroups = 64;
 /// Slots that fill whole cache lines in all three arrays but the classes.
 constexpr std::uint32_t kLineSlots = 16;
+/// Windows ahead of the one that is written, whose cache lines are asked for.
+constexpr std::uint32_t kFetchAhead = 8;
 
 /// Up to this many changed points are brought up to date at once instead of being streamed.
 constexpr PointIndex kFewPoints = 200'000;
@@ -287,12 +289,55 @@ void storeLines(const Element* const* members, std::int32_t* positions, std::uin
 #endif
 }
 
+/// Elements of `count` points by 32-bit differences, if they are right, that is, all points are inside a frame of
+/// this origin (without shift), as they nearly always are. False, with elements of no meaning, when one is not.
+bool makeElementsInside(const glm::i64vec3& origin, const std::int32_t* const axes[3], const std::uint32_t* words,
+                        std::size_t count, Element* elements)
+{
+    const glm::i64vec3 first = origin + std::int64_t(1), last = origin + std::int64_t(INT32_MAX - 1);
+    const glm::i64vec3 least(INT32_MIN), most(INT32_MAX);
+    if (glm::any(glm::greaterThan(first, most)) || glm::any(glm::lessThan(last, least))) return false;
+    const glm::ivec3 low(glm::max(first, least)), high(glm::min(last, most));
+    int outside = 0;
+    std::size_t k = 0;
+#if defined(__SSE2__)
+    const auto load = [](const void* p) { return _mm_loadu_si128(static_cast<const __m128i*>(p)); };
+    __m128i beyond = _mm_setzero_si128();
+    const auto difference = [&](int a, __m128i v) {
+        beyond = _mm_or_si128(beyond, _mm_or_si128(_mm_cmplt_epi32(v, _mm_set1_epi32(low[a])),
+                                                   _mm_cmpgt_epi32(v, _mm_set1_epi32(high[a]))));
+        return _mm_sub_epi32(v, _mm_set1_epi32(std::int32_t(std::uint32_t(origin[a]))));
+    };
+    for (; k + 4 <= count; k += 4) {
+        const __m128i x = difference(0, load(axes[0] + k)), y = difference(1, load(axes[1] + k));
+        const __m128i z = difference(2, load(axes[2] + k)), word = load(words + k);
+        const __m128i xy01 = _mm_unpacklo_epi32(x, y), zw01 = _mm_unpacklo_epi32(z, word);
+        const __m128i xy23 = _mm_unpackhi_epi32(x, y), zw23 = _mm_unpackhi_epi32(z, word);
+        auto* const to = reinterpret_cast<__m128i*>(elements + k);
+        _mm_store_si128(to, _mm_unpacklo_epi64(xy01, zw01));
+        _mm_store_si128(to + 1, _mm_unpackhi_epi64(xy01, zw01));
+        _mm_store_si128(to + 2, _mm_unpacklo_epi64(xy23, zw23));
+        _mm_store_si128(to + 3, _mm_unpackhi_epi64(xy23, zw23));
+    }
+    outside = _mm_movemask_epi8(beyond);
+#endif
+    for (; k < count; ++k) {
+        std::int32_t local[3];
+        for (int a = 0; a < 3; ++a) {
+            const std::int32_t v = axes[a][k];
+            outside |= int(v < low[a]) | int(v > high[a]);
+            local[a] = std::int32_t(std::uint32_t(v) - std::uint32_t(origin[a]));
+        }
+        elements[k] = {local[0], local[1], local[2], words[k]};
+    }
+    return outside == 0;
+}
+
 }  // namespace
 
 /// Points of one put() before they are dealt out, in file order.
 struct PointStore::Scratch {
     std::uint32_t words[kPutPoints];
-    std::uint32_t classBits[kPutPoints];
     std::uint8_t classes[kPutPoints];
     Element elements[kPutPoints];
 };
@@ -306,26 +351,8 @@ bool PointStore::makeElements(PointRange range, Scratch& s) const
     const std::int32_t* const y = m_cloud->rawY().data() + range.first;
     const std::int32_t* const z = m_cloud->rawZ().data() + range.first;
     const glm::i64vec3 o = m_frame.origin;
-    if (m_frame.shift == 0) {
-        // All inside, as it nearly always is: 32-bit differences are right, and one loop does it.
-        glm::ivec3 low(INT32_MAX), high(INT32_MIN);
-        for (std::size_t k = 0; k < count; ++k) {
-            low.x = std::min(low.x, x[k]);
-            high.x = std::max(high.x, x[k]);
-            low.y = std::min(low.y, y[k]);
-            high.y = std::max(high.y, y[k]);
-            low.z = std::min(low.z, z[k]);
-            high.z = std::max(high.z, z[k]);
-        }
-        if (glm::all(glm::greaterThan(glm::i64vec3(low), o)) &&
-            glm::all(glm::lessThan(glm::i64vec3(high) - o, glm::i64vec3(INT32_MAX)))) {
-            const auto ox = std::uint32_t(o.x), oy = std::uint32_t(o.y), oz = std::uint32_t(o.z);
-            for (std::size_t k = 0; k < count; ++k)
-                s.elements[k] = {std::int32_t(std::uint32_t(x[k]) - ox), std::int32_t(std::uint32_t(y[k]) - oy),
-                                 std::int32_t(std::uint32_t(z[k]) - oz), s.words[k]};
-            return true;
-        }
-    }
+    const std::int32_t* const axes[3] = {x, y, z};
+    if (m_frame.shift == 0 && makeElementsInside(o, axes, s.words, count, s.elements)) return true;
     bool inside = true;
     const auto fits = [](std::int64_t v) { return v > 0 && v < INT32_MAX; };
     for (std::size_t k = 0; k < count; ++k) {
@@ -355,10 +382,7 @@ void PointStore::put(PointRange range, const AttributeEncoder& encoder, bool wit
         const auto count = std::size_t(range.size());
         Scratch& s = *scratch;
         if (!encoder.encode(range, s.words)) m_colorsOutgrown.store(true, std::memory_order_relaxed);
-        if (haveClasses) {
-            m_classification.gatherBits(range, s.classBits);
-            for (std::size_t k = 0; k < count; ++k) s.classes[k] = std::uint8_t(s.classBits[k]);
-        }
+        if (haveClasses) m_classification.gatherBits(range, s.classes);
         if (withPositions && !makeElements(range, s)) m_outgrown.store(true, std::memory_order_relaxed);
 
         const auto store = [&](Slot slot, std::size_t k) {
@@ -400,6 +424,9 @@ void PointStore::put(PointRange range, const AttributeEncoder& encoder, bool wit
                 withPositions && groups == kLineSlots && group % kLineSlots == 0 && window % kLineSlots == 0;
             for (std::uint32_t w = 0; w <= mask; ++w) {
                 const Slot slot = w * window + group;
+                // part of a line, which must come before it can be written
+                if (haveClasses && w + kFetchAhead <= mask)
+                    __builtin_prefetch(classes + slot + kFetchAhead * window, 1);
                 std::uint32_t at[kMostGroups];
                 for (std::uint32_t g = 0; g < groups; ++g) {
                     at[g] = bases[g] + members[g];

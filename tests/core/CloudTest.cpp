@@ -217,6 +217,17 @@ void CloudTest::gatherBitsOfManyTypes()
     })).gatherBits(indices, out);
     QCOMPARE(out[0], 5u);
     QCOMPARE(out[1], 7u);
+
+    std::uint8_t bytes[2];
+    theAttribute(holding<std::uint16_t>({0x1234, 0xABCD, 0x00FF})).gatherBits({1, 3}, bytes);
+    QCOMPARE(unsigned(bytes[0]), 0xCDu);
+    QCOMPARE(unsigned(bytes[1]), 0xFFu);
+    theAttribute(holding<std::uint8_t>({0xF3, 0, 0x52}, [](Attribute& a) {
+        a.bitShift = 4;
+        a.bitWidth = 3;
+    })).gatherBits({0, 2}, bytes);
+    QCOMPARE(unsigned(bytes[0]), 7u);
+    QCOMPARE(unsigned(bytes[1]), 0u);
 }
 
 void CloudTest::statisticsOfSpecialFloats()

@@ -21,6 +21,7 @@ private Q_SLOTS:
     void filledInAnyOrder();
     void framesHoldWildExtents();
     void wrongFirstBoundsAreMended();
+    void framesEndWhereTheySay();
     void firstAttributeIsWhatVaries();
     void eightBitColorsAreShownAsSuch();
     void gpsTimeKeepsItsDigits();
@@ -99,6 +100,30 @@ void PointStoreTest::wrongFirstBoundsAreMended()
     QVERIFY(!store.outgrown());
     for (PointIndex i = 0; i < cloud->size(); ++i) QVERIFY(store.isFilled(i));
     QCOMPARE(store.frame().shift, 2);
+}
+
+void PointStoreTest::framesEndWhereTheySay()
+{
+    RawBounds one;
+    one.include(0, 0, 0);
+    const std::int64_t origin = LocalFrame::around(one).origin.x;
+    const std::int64_t first = origin + 1, last = origin + INT32_MAX - 1;
+    // among the points that are taken four by four, and among the last ones
+    for (const std::size_t at : {std::size_t(1), std::size_t(102)})
+        for (const std::size_t axis : {0u, 1u, 2u})
+            for (const std::int64_t v : {first - 1, first, last, last + 1}) {
+                const auto cloud = test::makeCloud(103);
+                for (std::size_t a = 0; a < 3; ++a)
+                    for (auto& raw : cloud->columns()[a]->values<std::int32_t>()) raw = 0;
+                cloud->columns()[axis]->values<std::int32_t>()[at] = std::int32_t(v);
+                PointStore store(cloud, one);
+                store.fillAll();
+                const bool inside = v >= first && v <= last;
+                QCOMPARE(store.outgrown(), !inside);
+                const LocalPosition p = store.positions()[store.order().slotOf(at)];
+                const std::int32_t local[] = {p.x, p.y, p.z};
+                QCOMPARE(local[axis], inside ? std::int32_t(v - origin) : 0);
+            }
 }
 
 void PointStoreTest::firstAttributeIsWhatVaries()
