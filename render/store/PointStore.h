@@ -5,6 +5,7 @@
 #include "core/edit/Preview.h"
 #include "render/order/SlotOrder.h"
 #include "render/store/AttributeEncoder.h"
+#include "render/store/LocalFrame.h"
 
 #include <atomic>
 #include <memory>
@@ -15,31 +16,6 @@
 
 namespace punctum::render
 {
-
-/// Position of a slot: raw LAS integers minus the frame's origin, so that nothing is rounded at any extent.
-/// x == 0 marks an empty slot.
-struct LocalPosition {
-    std::int32_t x = 0, y = 0, z = 0;
-};
-static_assert(sizeof(LocalPosition) == 12);
-
-/// `local` integer frame of a store: local = (raw - origin) >> shift, always > 0 for points inside the frame.
-/// The origin comes from the data, not from the header's offset. shift is 0 unless the raw extent is above 2^30.
-struct LocalFrame {
-    glm::i64vec3 origin{0};
-    int shift = 0;
-
-    static LocalFrame around(const RawBounds& bounds) noexcept;
-    bool holds(const RawBounds& bounds) const noexcept;
-    glm::dvec3 toRaw(const glm::dvec3& local) const noexcept
-    {
-        return local * double(1 << shift) + glm::dvec3(origin);
-    }
-    glm::dvec3 toLocal(const glm::dvec3& raw) const noexcept
-    {
-        return (raw - glm::dvec3(origin)) / double(1 << shift);
-    }
-};
 
 /// The attribute that a cloud is first shown by, judged by the points of `range`: RGB if it has colours, else
 /// Intensity if it varies, else Classification if it varies, else Z.
@@ -142,7 +118,6 @@ private:
     void setEncoder(std::shared_ptr<const AttributeEncoder> encoder);
     /// Encodes the points of a range and puts them into their slots; positions too when asked for.
     void put(PointRange range, const AttributeEncoder& encoder, bool positions);
-    bool makeElements(PointRange range, Scratch& scratch) const;
     void bumpVersions(PointRange range, bool positions) noexcept;
 
     std::uint64_t m_id;

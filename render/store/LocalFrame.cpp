@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#include "render/store/LocalFrame.h"
+
+#include <glm/vector_relational.hpp>
+
+#include <algorithm>
+
+namespace punctum::render
+{
+
+LocalFrame LocalFrame::around(const RawBounds& bounds) noexcept
+{
+    LocalFrame frame;
+    if (bounds.empty()) {
+        frame.origin = glm::i64vec3(-(std::int64_t(1) << 30));
+        return frame;
+    }
+    const glm::i64vec3 size = bounds.max - bounds.min;
+    const std::int64_t largest = std::max({size.x, size.y, size.z});
+    while ((largest >> frame.shift) > (std::int64_t(1) << 30)) ++frame.shift;
+    // Half of the free room below the data: what firstBounds missed mostly still fits.
+    frame.origin = bounds.min - (std::int64_t(1) << (29 + frame.shift));
+    return frame;
+}
+
+bool LocalFrame::holds(const RawBounds& bounds) const noexcept
+{
+    if (bounds.empty()) return true;
+    const glm::i64vec3 low = bounds.min - origin, high = bounds.max - origin;
+    const std::int64_t top = std::int64_t(INT32_MAX) << shift;
+    return glm::all(glm::greaterThanEqual(low, glm::i64vec3(std::int64_t(1) << shift))) &&
+           glm::all(glm::lessThan(high, glm::i64vec3(top)));
+}
+
+}  // namespace punctum::render
