@@ -223,6 +223,7 @@ void MainWindow::connectParts()
     connect(m_viewport, &Viewport::frameShown, this, &MainWindow::showViewState);
     connect(m_attributes, &AttributesDock::attributeChosen, this, &MainWindow::showAttribute);
     connect(m_processing, &ProcessingDock::showAttribute, this, &MainWindow::showAttribute);
+    connect(m_edit, &EditDock::begun, this, &MainWindow::focusView);
 
     connect(m_renderer, &ViewRenderer::failed, this,
             [this](const QString& text) { m_viewport->messages().add(MessageKind::Warning, text); });

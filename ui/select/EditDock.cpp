@@ -111,8 +111,10 @@ QWidget* EditDock::makeClassPart()
     row->addWidget(m_setClass, 1);
     grid->addLayout(row, 3, 0, 1, 2);
     connect(m_previewClass, &QPushButton::clicked, this, &EditDock::previewClass);
-    connect(m_setClass, &QPushButton::clicked, this,
-            [this] { setClass(m_to->currentData().toUInt(), chosenFrom()); });
+    connect(m_setClass, &QPushButton::clicked, this, [this] {
+        setClass(m_to->currentData().toUInt(), chosenFrom());
+        if (m_job != 0) emit begun();
+    });
     return part;
 }
 
@@ -287,6 +289,7 @@ std::optional<expression::Rule> EditDock::parsed(const QString& rule)
 void EditDock::applyRule()
 {
     runRule(m_rule->text(), ruleScope(), tr("Set by rule"));
+    if (m_job != 0) emit begun();
 }
 
 void EditDock::runRule(const QString& text, std::shared_ptr<const PointSet> within, const QString& title)

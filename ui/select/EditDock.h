@@ -60,6 +60,10 @@ public:
     /// What the last action said.
     QString resultText() const;
 
+signals:
+    /// A button of the panel has begun a change: what is typed next, such as Ctrl+Z, is not meant for the panel.
+    void begun();
+
 private:
     QWidget* makeClassPart();
     QWidget* makeRulePart();
