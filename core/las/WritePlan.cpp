@@ -534,8 +534,10 @@ private:
     bool headerCountIs(std::uint64_t points) const
     {
         const Header& h = m_source->header;
-        return h.get<std::uint32_t>(at::kLegacyCount) == points ||
-               (h.extendedCounts() && h.get<std::uint64_t>(at::kPointCount) == points);
+        const auto legacy = h.get<std::uint32_t>(at::kLegacyCount);
+        if (!h.extendedCounts()) return legacy == points;
+        // a legacy count of 0 says nothing there
+        return h.get<std::uint64_t>(at::kPointCount) == points || (legacy == points && legacy != 0);
     }
 
     void setFigures()
