@@ -3,12 +3,10 @@
 
 #include "core/Error.h"
 #include "core/Text.h"
-#include "core/edit/PackedSet.h"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <memory>
 #include <optional>
 #include <utility>
 
@@ -19,6 +17,8 @@ namespace
 {
 
 constexpr std::size_t kSumDigits = 8;
+/// More points than any cloud has; counts up to here can be added and rounded without care.
+constexpr PointIndex kMostPoints = PointIndex(1) << 40;
 
 /// CRC-32 (IEEE 802.3), which finds every burst of up to 32 bits.
 std::uint32_t crc32(std::uint32_t crc, std::string_view text) noexcept
@@ -110,9 +110,8 @@ std::optional<JournalEntry> entryOf(std::string_view line, PointIndex size)
     entry.recipe.step = *step;
     for (std::size_t k = 4; k < all.size(); ++k) {
         if (all[k].starts_with('@')) {
-            const auto set = PackedSet::fromText(all[k].substr(1), size);
-            if (!set) return {};
-            entry.recipe.within = std::make_shared<PointSet>(set->unpacked());
+            entry.within = PackedSet::fromText(all[k].substr(1), size);
+            if (!entry.within) return {};
             continue;
         }
         const std::size_t equals = all[k].find('=');
@@ -191,6 +190,7 @@ SoundJournal soundPart(const std::filesystem::path& path, const std::string& tex
 {
     SoundJournal sound;
     std::size_t number = 0;
+    bool begun = false;  // its first two lines are sound
     const auto damaged = [&](const std::string& what) {
         sound.contents.damage =
             "The journal is " + what + " in line " + std::to_string(number) + "; the " +
@@ -220,8 +220,11 @@ SoundJournal soundPart(const std::filesystem::path& path, const std::string& tex
         } else if (number == 2) {
             CloudKey& key = sound.contents.key;
             const auto file = all.size() == 4 ? unescaped(all[3]) : std::nullopt;
-            if (!file || all[0] != "cloud" || !parse(all[1], key.points) || !parse(all[2], key.digest, 16)) break;
+            if (!file || all[0] != "cloud" || !parse(all[1], key.points) || key.points > kMostPoints ||
+                !parse(all[2], key.digest, 16))
+                break;
             sound.contents.file = *file;
+            begun = true;
         } else {
             auto entry = entryOf(line, sound.contents.key.points);
             if (!entry || !follow(*entry, sound)) {
@@ -233,8 +236,7 @@ SoundJournal soundPart(const std::filesystem::path& path, const std::string& tex
         sound.sum = sum;
         sound.bytes = end + 1;
     }
-    if (sound.contents.key.points == 0 && sound.contents.entries.empty() && sound.contents.file.empty())
-        throw Error(path, "this is no journal of Punctum, or its beginning is damaged.");
+    if (!begun) throw Error(path, "this is no journal of Punctum, or its beginning is damaged.");
     return sound;
 }
 

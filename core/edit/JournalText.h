@@ -2,11 +2,13 @@
 #pragma once
 
 #include "core/edit/CloudKey.h"
+#include "core/edit/PackedSet.h"
 #include "core/edit/Recipe.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +27,9 @@ struct JournalEntry {
     Recipe recipe;           ///< of a step, or a literal (Literal.h)
     std::string name;        ///< what the history calls it
     PointIndex changed = 0;  ///< points
+    /// Of an entry that was read: the points of its recipe, which has none itself. They stay packed, since each set
+    /// would take a bit a point, and the number of points is the file's word until the key has matched a cloud.
+    std::optional<PackedSet> within;
 };
 
 /// A journal as it was found.
@@ -41,7 +46,7 @@ struct JournalContents {
 
 inline constexpr std::string_view kJournalFirstLine = "punctum-journal 1";
 std::string journalCloudLine(const CloudKey& key, const std::string& file);
-/// A Do; the points of its recipe are those of the cloud that the key is of.
+/// A Do that is to be noted: the points are those of its recipe, of the cloud that the key is of.
 std::string journalLine(const JournalEntry& entry);
 /// The line with its sum and its end; `sum`: of the line before, becomes that of this one.
 std::string summed(const std::string& line, std::uint32_t& sum);

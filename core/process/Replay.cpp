@@ -7,6 +7,8 @@
 #include "core/process/MakeCommand.h"
 #include "core/task/Progress.h"
 
+#include <memory>
+
 namespace punctum
 {
 
@@ -30,7 +32,9 @@ Replayed replay(const JournalContents& journal, const PointCloud& cloud, History
                 std::unique_ptr<Command> command;
                 std::string reason;
                 try {
-                    command = makeCommand(entry.recipe, cloud, progress);
+                    Recipe recipe = entry.recipe;
+                    if (entry.within) recipe.within = std::make_shared<PointSet>(entry.within->unpacked());
+                    command = makeCommand(recipe, cloud, progress);
                 } catch (const Error& e) {
                     reason = e.what();
                 }

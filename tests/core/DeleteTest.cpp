@@ -344,7 +344,7 @@ private slots:
         QCOMPARE(history.journal()->failure(), std::string());
         const auto entries = readJournal(journal).entries;
         QCOMPARE(entries.size(), std::size_t(2));
-        QVERIFY(entries[0].recipe.within->size() == 7500);
+        QVERIFY(entries[0].within && entries[0].within->size() == 7500);
         // Points of which the file knows nothing end it.
         history.push(makeCommand({"restore", {}, nullptr}, *cloud, progress));
         QVERIFY(history.journal()->failure().find("were deleted when the file was saved") != std::string::npos);

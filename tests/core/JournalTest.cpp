@@ -6,6 +6,7 @@
 #include "core/Error.h"
 #include "core/edit/History.h"
 #include "core/edit/PackedSet.h"
+#include "core/edit/PackedValues.h"
 #include "core/process/MakeCommand.h"
 #include "core/process/Replay.h"
 #include "core/task/Progress.h"
@@ -327,6 +328,42 @@ private slots:
         QVERIFY(!readJournal(path).damage.empty());
         putBytes(path, "something else\n");
         QVERIFY(complaint([&] { readJournal(path); }).find("no journal") != std::string::npos);
+    }
+
+    /// Whoever can write the file can give it any lines with the right sums.
+    void countsThatNoCloudHasAreRefused()
+    {
+        const QTemporaryDir folder;
+        const std::string path = folder.filePath(QStringLiteral("made.journal")).toStdString();
+        const auto put = [&](PointIndex points, const std::vector<std::uint8_t>& runs) {
+            std::uint32_t sum = 0;
+            std::string text = summed(std::string(kJournalFirstLine), sum);
+            text += summed(journalCloudLine({points, 1}, "a"), sum);
+            text += summed("do 1 Name set rule=Classification%3d1 @" +
+                               toBase64(std::as_bytes(std::span<const std::uint8_t>(runs))),
+                           sum);
+            putBytes(path, text);
+        };
+        const std::vector<std::uint8_t> farRun{0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x7F, 1};  // at 2^49 - 1
+        for (const PointIndex points : {~PointIndex(0), ~PointIndex(0) - 62, (PointIndex(1) << 40) + 1}) {
+            put(points, farRun);
+            QVERIFY(complaint([&] { readJournal(path); }).find("no journal") != std::string::npos);
+            QVERIFY(complaint([&] { Journal::resume(path); }).find("no journal") != std::string::npos);
+        }
+        put(kPoints, farRun);
+        QVERIFY(readJournal(path).entries.empty());
+        QVERIFY(readJournal(path).damage.find("not understood in line 3") != std::string::npos);
+        // What could be is read without room for the points; replaying asks for the key first.
+        put(PointIndex(1) << 40, {0, 1});
+        const JournalContents contents = readJournal(path);
+        QCOMPARE(contents.damage, std::string());
+        QVERIFY(contents.entries.size() == 1 && contents.entries[0].within);
+        QVERIFY(contents.entries[0].within->bytes() < 8);
+        const auto cloud = makeCloud();
+        History history(cloud);
+        Progress progress;
+        QVERIFY(complaint([&] { replay(contents, *cloud, history, progress); }).find("another file") !=
+                std::string::npos);
     }
 
     void aFullDiskStopsTheJournalAndNotTheEdit()
