@@ -18,7 +18,6 @@ namespace
 {
 
 constexpr const char* kEnding = ".journal";
-constexpr const char* kDeclined = ".declined";
 
 /// Whether the folder has a journal of a cloud with so many points: only then it is worth reading them all.
 bool mayHaveJournal(const std::filesystem::path& folder, PointIndex points)
@@ -79,8 +78,13 @@ void Recovery::noteDown(OpenCloud& data, Progress& progress) noexcept
         if (data.history->modified())
             return tell("edits came before, and a journal begins with what is in the file. Save once.");
         const CloudKey key = keyOfFile(*data.cloud, progress);
-        data.history->setJournal(
-            Journal::create(pathOf(key), key, data.path.string(), data.source->current->get().kept));
+        std::shared_ptr<Journal> journal =
+            Journal::create(pathOf(key), key, data.path.string(), data.source->current->get().kept);
+        if (!journal->setAside().empty())
+            warn(tr("Unsaved edits of before a crash have not been recovered; punctum replay can do them again "
+                    "from %1.")
+                     .arg(toQString(journal->setAside())));
+        data.history->setJournal(std::move(journal));
         data.journalTold = false;
     } catch (const std::exception& e) {  // cancelled as well: the edit will be, too
         if (!progress.cancelled()) tell(e.what());
@@ -144,9 +148,10 @@ void Recovery::offer(Document& document, const std::filesystem::path& path,
             if (wanted) return recover(*target, path, journal);
             m_workspace.startJob(
                 tr("Set the journal aside"),
-                [path](Progress&) {
-                    std::error_code ignored;
-                    std::filesystem::rename(path, path.string() + kDeclined, ignored);
+                [data = target->data(), path](Progress&) {
+                    const std::lock_guard gate(data->editGate);
+                    // an edit that came first has set it aside already, and writes another one there
+                    if (std::filesystem::exists(path) && !isJournalInUse(path)) setJournalAside(path);
                 },
                 {}, true);
         });
@@ -160,10 +165,16 @@ void Recovery::recover(Document& document, const std::filesystem::path& path,
         tr("Recover edits of %1").arg(document.name()),
         [data = document.data(), path, journal, replayed](Progress& progress) {
             const std::lock_guard gate(data->editGate);
+            if (data->history->position() != 0)
+                throw Error(
+                    "The points were edited first, so that the edits of before the crash cannot be done again "
+                    "here; their journal has been set aside for punctum replay.");
             ++data->edits;
             *replayed = replay(*journal, *data->cloud, *data->history, progress);
-            // what could not be followed stays in the file, for punctum replay
-            if (replayed->stopped.empty()) data->history->setJournal(Journal::resume(path));
+            // what could not be followed stays in the file, for punctum replay; a journal that an edit began
+            // meanwhile, and that was undone, has noted all down
+            if (replayed->stopped.empty() && !data->history->journal())
+                data->history->setJournal(Journal::resume(path));
         },
         [this, journal, replayed, target = QPointer<Document>(&document)](const JobInfo& info) {
             if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));

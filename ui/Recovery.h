@@ -38,7 +38,7 @@ public:
     /// Called by a job that is about to change a cloud, with its gate held: begins the journal where there is none.
     /// What keeps it from that is told once, and never stops the edit.
     void noteDown(OpenCloud& data, Progress& progress) noexcept;
-    /// The file has been saved: there is nothing to recover until the next edit.
+    /// The file has been saved: what the journal tells is about the file of before. Called with the gate held.
     static void saved(OpenCloud& data) noexcept;
     /// The file is closed in order.
     static void closed(OpenCloud& data) noexcept;

@@ -111,16 +111,13 @@ void Saves::startSave(const std::shared_ptr<Saving>& saving)
                 const Document::LastSave save{savedText(saving->outcome, saving->target),
                                               savedDetails(saving->outcome, saving->original, saving->target)};
                 m_workspace.say(MessageKind::Info, save.sentence, save.details);
+                if (saving->outcome.disturbed)
+                    m_workspace.say(MessageKind::Warning,
+                                    tr("Points were edited while the file was written. It lacks these edits, and a "
+                                       "crash would lose them: save once more."));
                 if (saving->document) {
                     saving->document->setSavedAs(saving->target, save);
                     countUnsaved(*saving->document);
-                    m_workspace.startJob(
-                        tr("Journal"),
-                        [data = saving->data](Progress&) {
-                            const std::lock_guard gate(data->editGate);
-                            Recovery::saved(*data);
-                        },
-                        {}, true);
                     emit saved(saving->document);
                 }
             }

@@ -4,6 +4,8 @@
 #include "core/Error.h"
 #include "core/edit/History.h"
 #include "core/task/Progress.h"
+#include "ui/Document.h"
+#include "ui/Recovery.h"
 #include "ui/Text.h"
 
 #include <QCoreApplication>
@@ -78,9 +80,14 @@ SaveOutcome saveCloud(OpenCloud& data, const std::filesystem::path& original, co
     options.compressed = las::isCompressedName(target);
     outcome.report = las::write(*data.cloud, target, options, progress);
     const std::lock_guard gate(data.editGate);
-    const bool undisturbed = data.edits == edits;
-    if (undisturbed) data.history->markSaved();
-    outcome.compared = undisturbed && forecast && forecast->edits == edits;
+    outcome.disturbed = data.edits != edits;
+    if (outcome.disturbed)
+        data.history->forgetSaved();
+    else
+        data.history->markSaved();
+    Recovery::saved(data);
+    data.journalTold = outcome.disturbed;  // the message says so
+    outcome.compared = !outcome.disturbed && forecast && forecast->edits == edits;
     if (outcome.compared) outcome.preview = std::move(forecast->preview);
     return outcome;
 }

@@ -33,6 +33,7 @@ struct SaveOutcome {
     las::WriteReport report;
     las::SavePreview preview;  ///< A: the file before; B: the file now
     bool compared = false;     ///< there was a file to compare with, and no edit came in between
+    bool disturbed = false;    ///< points were edited while the file was written: it lacks these edits
 };
 
 /// Foresees (unless `forecast` still holds), writes, verifies, and marks the history as saved. That there is

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <shared_mutex>
 #include <utility>
+#include <vector>
 
 namespace punctum::ui
 {
@@ -26,6 +27,14 @@ QString pickedValue(const Attribute& attribute, PointIndex index)
         parts << (attribute.kind == AttributeKind::Vector ? QString::number(attribute.number(index, c), 'f', 3)
                                                           : valueText(attribute.value(index, c)));
     return parts.join(QStringLiteral(", "));
+}
+
+template <typename Item>
+Item takeFirst(std::vector<Item>& list)
+{
+    Item first = std::move(list.front());
+    list.erase(list.begin());
+    return first;
 }
 
 }  // namespace
@@ -141,33 +150,53 @@ void ViewPicture::publish(const render::FrameReport& report)
 
 void ViewPicture::serveSnapshots(std::span<const DrawnCloud> clouds)
 {
-    for (const Snapshot& wanted : std::exchange(m_snapshots, {})) {
+    while (!m_snapshots.empty()) {
+        // Each is answered, whatever fails: somebody waits for it. Those after it are refused then.
+        const Snapshot wanted = takeFirst(m_snapshots);
         std::shared_ptr<ViewSnapshot> view;
-        for (const DrawnCloud& entry : clouds) {
-            if (&entry.store->cloud() != wanted.cloud.get()) continue;
-            view = std::make_shared<ViewSnapshot>();
-            view->cloud = wanted.cloud;
-            view->projection = renderer->projectionOf(*wanted.cloud);
-            const PictureProjection& p = view->projection;
-            const glm::dvec3 pivot = wanted.cloud->coordinates().toRaw(renderer->camera().pivot) - p.base;
-            view->pivotDepth = glm::dot(glm::dvec3(p.rowD), pivot) + p.rowD.w;
-            view->visible = std::make_shared<PointSet>(renderer->visiblePoints(*wanted.cloud));
+        try {
+            for (const DrawnCloud& entry : clouds)
+                if (&entry.store->cloud() == wanted.cloud.get()) view = snapshotOf(wanted.cloud);
+        } catch (...) {
+            wanted.done(nullptr);
+            throw;
         }
         wanted.done(std::move(view));
     }
 }
 
+std::shared_ptr<ViewSnapshot> ViewPicture::snapshotOf(const std::shared_ptr<const PointCloud>& cloud)
+{
+    auto view = std::make_shared<ViewSnapshot>();
+    view->cloud = cloud;
+    view->projection = renderer->projectionOf(*cloud);
+    const PictureProjection& p = view->projection;
+    const glm::dvec3 pivot = cloud->coordinates().toRaw(renderer->camera().pivot) - p.base;
+    view->pivotDepth = glm::dot(glm::dvec3(p.rowD), pivot) + p.rowD.w;
+    view->visible = std::make_shared<PointSet>(renderer->visiblePoints(*cloud));
+    return view;
+}
+
 void ViewPicture::serveCaptures()
 {
     const render::DisplaySettings shown = renderer->display();
-    for (const Capture& capture : std::exchange(m_captures, {})) {
-        if (capture.transparent) {
-            render::DisplaySettings bare = shown;
-            bare.backgroundTop.a = bare.backgroundBottom.a = 0;
-            renderer->setDisplay(bare);
-            converge();
+    while (!m_captures.empty()) {
+        const Capture capture = takeFirst(m_captures);
+        std::shared_ptr<render::Image> image;
+        try {
+            if (capture.transparent) {
+                render::DisplaySettings bare = shown;
+                bare.backgroundTop.a = bare.backgroundBottom.a = 0;
+                renderer->setDisplay(bare);
+                converge();
+            }
+            image = std::make_shared<render::Image>(renderer->image());
+        } catch (...) {
+            renderer->setDisplay(shown);
+            capture.done(nullptr);
+            throw;
         }
-        capture.done(std::make_shared<render::Image>(renderer->image()));
+        capture.done(std::move(image));
         if (capture.transparent) {
             renderer->setDisplay(shown);
             converge();

@@ -83,6 +83,7 @@ private:
     void converge();
     void serveCaptures();
     void serveSnapshots(std::span<const DrawnCloud> clouds);
+    std::shared_ptr<ViewSnapshot> snapshotOf(const std::shared_ptr<const PointCloud>& cloud);
 
     const ViewRenderer* m_view;
     Publish m_publish;

@@ -211,6 +211,12 @@ void History::markSaved()
     m_saved = std::ptrdiff_t(m_done);
 }
 
+void History::forgetSaved()
+{
+    const std::lock_guard lock(m_mutex);
+    m_saved = -1;
+}
+
 std::optional<std::vector<AttributeChange>> History::changes(Progress& progress) const
 {
     const std::lock_guard changing(m_changing);  // nobody else writes to the cloud's columns meanwhile

@@ -56,6 +56,8 @@ public:
     /// Whether the cloud differs from what was last saved (or loaded).
     bool modified() const;
     void markSaved();
+    /// What is saved is none of the states that can be reached: the cloud differs from it from now on.
+    void forgetSaved();
     /// What differs from what was last saved (or loaded), but for points deleted since: values that really are
     /// other ones, not those that were changed and changed back. Attributes that were not there then are left out;
     /// of those that were replaced by others of the same name, all points count. Nothing when that state can no

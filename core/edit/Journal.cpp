@@ -44,6 +44,14 @@ int openLocked(const std::filesystem::path& path, int flags)
     return file;
 }
 
+/// More than the two lines that it begins with.
+bool hasEdits(const std::filesystem::path& path)
+{
+    if (!std::filesystem::is_regular_file(path)) return false;
+    const std::string text = readAll(path);
+    return std::count(text.begin(), text.end(), '\n') > 2;
+}
+
 }  // namespace
 
 std::unique_ptr<Journal> Journal::create(const std::filesystem::path& path, const CloudKey& key,
@@ -52,6 +60,11 @@ std::unique_ptr<Journal> Journal::create(const std::filesystem::path& path, cons
     std::error_code ignored;
     std::filesystem::create_directories(path.parent_path(), ignored);
     std::unique_ptr<Journal> journal(new Journal(path, openLocked(path, O_CREAT)));
+    if (hasEdits(path)) {
+        const std::filesystem::path aside = setJournalAside(path);
+        journal.reset(new Journal(path, openLocked(path, O_CREAT | O_EXCL)));
+        journal->m_setAside = aside;
+    }
     journal->m_kept = std::move(kept);
     if (::ftruncate(journal->m_file, 0) != 0) failWriting(path);
     journal->add(std::string(kJournalFirstLine));
@@ -197,6 +210,24 @@ void Journal::remove() noexcept
 JournalContents readJournal(const std::filesystem::path& path)
 {
     return soundPart(path, readAll(path)).contents;
+}
+
+std::filesystem::path setJournalAside(const std::filesystem::path& path)
+{
+    constexpr int kMost = 1000;
+    for (int k = 1; k <= kMost; ++k) {
+        const std::filesystem::path aside = path.string() + (k == 1 ? "" : "-" + std::to_string(k)) + ".declined";
+        if (::link(path.c_str(), aside.c_str()) == 0) {
+            ::unlink(path.c_str());
+            return aside;
+        }
+        if (errno == EEXIST) continue;
+        // a disk without hard links
+        if (std::filesystem::exists(aside)) continue;
+        if (::rename(path.c_str(), aside.c_str()) == 0) return aside;
+        break;
+    }
+    throw Error(path, std::string("the journal cannot be set aside: ") + std::strerror(errno) + ".");
 }
 
 bool isJournalInUse(const std::filesystem::path& path)

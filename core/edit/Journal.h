@@ -27,7 +27,8 @@ class Journal
 {
 public:
     /// Begins a new journal. `kept` (null: all): the points of the cloud that the file holds, whose places the
-    /// journal tells. Throws Error when it cannot be written, or another program has it open.
+    /// journal tells. One that has edits already, which nobody has recovered, is set aside. Throws Error when it
+    /// cannot be written, or another program has it open.
     static std::unique_ptr<Journal> create(const std::filesystem::path& path, const CloudKey& key,
                                            const std::string& file,
                                            std::shared_ptr<const KeptPoints> kept = nullptr);
@@ -38,6 +39,8 @@ public:
     Journal& operator=(const Journal&) = delete;
 
     const std::filesystem::path& path() const noexcept { return m_path; }
+    /// Where create() has put one that stood in its place; empty: there was none.
+    const std::filesystem::path& setAside() const noexcept { return m_setAside; }
     /// Of one that was resumed: the commands (Command::serial()) that its entries became are the last `position` of
     /// the history's first `done`, and those that follow.
     void recognize(const std::vector<std::uint64_t>& history, std::size_t done) noexcept;
@@ -70,7 +73,7 @@ private:
     template <typename Work>
     void guarded(Work work) noexcept;
 
-    std::filesystem::path m_path;
+    std::filesystem::path m_path, m_setAside;
     mutable std::mutex m_mutex;
     int m_file = -1;
     std::uint32_t m_sum = 0;                   ///< of the line before
@@ -83,6 +86,9 @@ private:
 
 /// Throws Error when there is no journal, or not even its beginning can be read.
 JournalContents readJournal(const std::filesystem::path& path);
+/// Gives a journal another name, under which it is not offered any more, but kept for whoever wants to follow it.
+/// Returns that name. Throws Error.
+std::filesystem::path setJournalAside(const std::filesystem::path& path);
 /// Whether a program that runs has it open.
 bool isJournalInUse(const std::filesystem::path& path);
 

@@ -7,6 +7,9 @@
 #include "tests/core/LasFiles.h"
 #include "tests/fuzz/Fuzz.h"
 
+#include <cmath>
+#include <cstring>
+
 using namespace punctum;
 using fuzz::promise;
 using lasfiles::Bytes;
@@ -70,6 +73,18 @@ Bytes without(const Bytes& records, std::size_t length, const std::vector<PointR
     return rest;
 }
 
+bool hasNegativeZeroTime(const Bytes& records, const las::RecordLayout& layout)
+{
+    const int field = layout.find("GpsTime");
+    if (field < 0) return false;
+    for (std::size_t at = 0; at < records.size(); at += layout.length) {
+        double time = 1;
+        std::memcpy(&time, records.data() + at + layout.fields[std::size_t(field)].offset, sizeof time);
+        if (time == 0 && std::signbit(time)) return true;
+    }
+    return false;
+}
+
 las::WriteReport save(const PointCloud& cloud, const fs::path& path)
 {
     Progress progress;
@@ -119,8 +134,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             report = save(*cloud, path);
         } catch (const Error& e) {
             fuzz::checkSentence(e);
-            // LASzip does not compress wave packets of more than 2^31 bytes as they are: found out, and refused.
-            if (las::hasWaveform(source.layout.format) && las::isCompressedName(path)) continue;
+            // LASzip does not compress wave packets of more than 2^31 bytes as they are, and takes a GPS time of -0
+            // for the 0 before it: found out, and refused.
+            if (las::isCompressedName(path) &&
+                (las::hasWaveform(source.layout.format) || hasNegativeZeroTime(records, source.layout)))
+                continue;
             std::fprintf(stderr, "%s\n", e.what());
             promise(false, "what was opened can be saved");
         }
