@@ -375,6 +375,34 @@ private slots:
                 }).find("cannot be written") != std::string::npos);
     }
 
+    void whatNobodyRecoveredIsSetAside()
+    {
+        Edited first("first");
+        QVERIFY(first.history.journal()->setAside().empty());
+        const auto edit = [&first](const char* rule) {
+            first.history.push(makeCommand({"set", {{"rule", rule}}, nullptr}, *first.cloud, first.progress));
+        };
+        edit("Classification = 7");
+        edit("Classification = 8");
+        first.history.setJournal(nullptr);  // as if the program had ended
+
+        first.begin("second");
+        const std::filesystem::path aside = first.history.journal()->setAside();
+        QCOMPARE(readJournal(aside).file, std::string("first"));
+        QCOMPARE(readJournal(aside).entries.size(), std::size_t(2));
+        QVERIFY(readJournal(first.path).entries.empty());
+        first.history.setJournal(nullptr);
+
+        first.begin("third");  // the second has nothing to recover
+        QVERIFY(first.history.journal()->setAside().empty());
+        edit("Classification = 9");
+        first.history.setJournal(nullptr);
+        first.begin("fourth");
+        QVERIFY(first.history.journal()->setAside() != aside);
+        QCOMPARE(readJournal(aside).file, std::string("first"));
+        QCOMPARE(readJournal(first.history.journal()->setAside()).file, std::string("third"));
+    }
+
     void killedAtRandomMomentsNothingIsLost()
     {
         const QTemporaryDir folder;
