@@ -200,7 +200,7 @@ AttributesCommand::AttributesCommand(std::string name, std::vector<Attribute> at
 }
 
 /// Whether `ours` can take the place of `theirs`, given the trades planned before; plans it if so.
-bool AttributesCommand::planTrade(const Attribute& theirs, const Attribute& ours)
+bool AttributesCommand::planTrade(const PointCloud& cloud, const Attribute& theirs, const Attribute& ours)
 {
     if (theirs.components != ours.components || theirs.bitWidth != 0 || ours.bitWidth != 0) return false;
     if (theirs.scaled != ours.scaled || theirs.scale != ours.scale || theirs.offset != ours.offset) return false;
@@ -208,7 +208,9 @@ bool AttributesCommand::planTrade(const Attribute& theirs, const Attribute& ours
     for (std::uint32_t c = 0; c < ours.components; ++c) {
         const Trade trade{theirs.columns[c], ours.columns[c]};
         if (!sameShape(*trade.theirs, *trade.ours)) return false;
-        if (std::find(planned.begin(), planned.end(), trade) != planned.end()) continue;
+        if (trade.theirs == trade.ours || std::find(planned.begin(), planned.end(), trade) != planned.end())
+            continue;
+        if (contains(cloud.columns(), trade.ours)) return false;  // it would lose what it has for others
         for (const Trade& other : planned)
             if (other.theirs == trade.theirs || other.ours == trade.ours) return false;
         planned.push_back(trade);
@@ -223,7 +225,7 @@ void AttributesCommand::plan(const PointCloud& cloud)
     m_list.kind = ChangeNotice::Kind::Attributes;
     for (Attribute& attribute : m_attributes) {
         const Attribute* const there = cloud.findAttribute(attribute.name);
-        if (there != nullptr && planTrade(*there, attribute)) {
+        if (there != nullptr && planTrade(cloud, *there, attribute)) {
             m_values.attributes.push_back(attribute.name);
             continue;
         }

@@ -144,7 +144,7 @@ private:
     };
 
     void plan(const PointCloud& cloud);
-    bool planTrade(const Attribute& theirs, const Attribute& ours);
+    bool planTrade(const PointCloud& cloud, const Attribute& theirs, const Attribute& ours);
     void keepDetached(const PointCloud& cloud);
 
     DetachedColumns m_detached;           ///< once planned: what the cloud does not have

@@ -13,6 +13,7 @@
 #include <array>
 #include <charconv>
 #include <cstring>
+#include <set>
 #include <shared_mutex>
 #include <string_view>
 #include <utility>
@@ -270,20 +271,28 @@ public:
 
     std::unique_ptr<Command> read()
     {
+        for (const auto& [key, text] : m_literal.values)
+            if (!isKnown(key)) failReading();
         const std::string name = literalName(m_literal);
         forEach(kRemove, [&](const std::string& attribute, const std::string&) {
-            m_parts.push_back(ListCommand::remove(own(attribute)));
+            const Attribute& gone = own(attribute);
+            if (gone.components != 1) failReading();  // it goes with its parts, which may be others' fields
+            m_gone.push_back(gone.columns[0]);
+            m_parts.push_back(ListCommand::remove(gone));
         });
         forEach(kRename, [&](const std::string& attribute, const std::string& to) {
             if (m_cloud.findAttribute(to) != nullptr) throw Error("There is an attribute \"" + to + "\" already.");
-            m_parts.push_back(ListCommand::rename(own(attribute), to));
+            const Attribute& renamed = own(attribute);
+            if (renamed.components != 1) failReading();
+            checkGiven(to, false);
+            m_parts.push_back(ListCommand::rename(renamed, to));
         });
         forEach(kAdd, [&](const std::string&, const std::string& text) { add(split(text)); });
         if (!m_added.empty()) m_parts.push_back(std::make_unique<AttributesCommand>(name, m_added));
         forEach(kValues,
                 [&](const std::string& attribute, const std::string& text) { set(name, attribute, split(text)); });
         if (const auto deleted = m_literal.values.find(kDeleted); deleted != m_literal.values.end())
-            remove(name, deleted->second == "yes");
+            remove(name, yes(deleted->second));
         const bool names = std::all_of(m_literal.values.begin(), m_literal.values.end(), [](const auto& value) {
             return value.first == kName || value.first.starts_with(kRename);
         });
@@ -297,6 +306,28 @@ private:
     {
         for (const auto& [key, text] : m_literal.values)
             if (key.starts_with(beginning)) f(key.substr(beginning.size()), text);
+    }
+
+    static bool isKnown(std::string_view key)
+    {
+        return key == kName || key == kDeleted || key.starts_with(kRemove) || key.starts_with(kRename) ||
+               key.starts_with(kAdd) || key.starts_with(kValues);
+    }
+
+    static bool yes(std::string_view word)
+    {
+        if (word != "yes" && word != "no") failReading();
+        return word == "yes";
+    }
+
+    /// Refuses a name that the literal gives twice, or that no attribute of the kind can have: a file's extra bytes
+    /// may have any but those of composites.
+    void checkGiven(const std::string& name, bool composite)
+    {
+        const auto control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
+        if (name.empty() || std::any_of(name.begin(), name.end(), control)) failReading();
+        if (!composite && (name == "RGB" || name == "Normal")) failReading();
+        if (!m_given.insert(name).second) failReading();
     }
 
     const Attribute& own(const std::string& name) const
@@ -315,7 +346,12 @@ private:
         const int kind = numberOf<int>(words[1]);
         if (kind < 0 || kind > int(AttributeKind::Opaque)) failReading();
         a.kind = AttributeKind(kind);
-        if (words[2] == kComposite) {
+        // One of the cloud that has the name makes room, which a field of the point format must not.
+        if (const Attribute* const there = m_cloud.findAttribute(a.name)) checkOwn(*there);
+        const bool composite = words[2] == kComposite;
+        checkGiven(a.name, composite);
+        if (composite != (a.kind == AttributeKind::Color || a.kind == AttributeKind::Vector)) failReading();
+        if (composite) {
             if (words.size() != 6) failReading();
             a.components = 3;
             for (std::size_t c = 0; c < 3; ++c) {
@@ -323,12 +359,17 @@ private:
                 const Attribute* part = find(m_added, isPart);
                 if (part == nullptr) part = m_cloud.findAttribute(words[3 + c]);
                 if (part == nullptr || part->components != 1) failReading();
+                checkOwn(*part);
                 a.columns[c] = part->columns[0];
+                const Column& column = *a.columns[c];
+                const bool goes = std::find(m_gone.begin(), m_gone.end(), a.columns[c]) != m_gone.end();
+                if (goes || column.components() != 1 || column.type() != a.type()) failReading();
             }
         } else {
             if (words.size() != 11) failReading();
             const auto components = numberOf<std::uint32_t>(words[2]);
             if (components == 0 || components > 255) failReading();
+            if (components != 1 && a.kind != AttributeKind::Opaque) failReading();
             a.scaled = !words[3].empty();
             if (a.scaled) {
                 a.scale = numberOf<double>(words[3]);
@@ -362,6 +403,8 @@ private:
     {
         const Attribute* const a = m_cloud.findAttribute(attribute);
         if (a == nullptr || a->components != 1) throw Error("This cloud has no attribute \"" + attribute + "\".");
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (a->columns[0] == m_cloud.columns()[axis]) throw Error("Coordinates stay as they are.");
         if (words.size() != 3) failReading();
         if (typeOf(words[0]) != a->type()) throw Error(attribute + " has another type in this file.");
         const std::size_t bytes = a->columns[0]->elementBytes();
@@ -395,6 +438,8 @@ private:
     const PointCloud& m_cloud;
     std::shared_ptr<const PointSet> m_points;
     std::vector<Attribute> m_added;
+    std::set<std::string> m_given;                ///< names that it gives
+    std::vector<std::shared_ptr<Column>> m_gone;  ///< what is removed
     std::vector<std::unique_ptr<Command>> m_parts;
 };
 

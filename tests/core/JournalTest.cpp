@@ -5,6 +5,7 @@
 
 #include "core/Error.h"
 #include "core/edit/History.h"
+#include "core/edit/Literal.h"
 #include "core/edit/PackedSet.h"
 #include "core/edit/PackedValues.h"
 #include "core/process/MakeCommand.h"
@@ -20,6 +21,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <fstream>
 
 using namespace punctum;
@@ -39,6 +41,33 @@ std::shared_ptr<PointCloud> makeCloud()
         for (std::int32_t& v : rawAxis(*cloud, axis)) v = std::int32_t(random() % 10'000);
     for (std::uint16_t& v : intensity) v = std::uint16_t(random());
     return cloud;
+}
+
+/// With A, B, C and a composite that shows them.
+std::shared_ptr<PointCloud> makeCloudOfParts()
+{
+    auto cloud = makeCloud();
+    Attribute composite;
+    composite.name = "ABC";
+    composite.kind = AttributeKind::Vector;
+    composite.components = 3;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const std::string name(1, char('A' + c));
+        addScalar<std::uint8_t>(*cloud, name)[7] = std::uint8_t(c + 1);
+        composite.columns[c] = cloud->findAttribute(name)->columns[0];
+    }
+    cloud->addAttribute(composite);
+    return cloud;
+}
+
+/// One element at all points, as a literal tells it.
+QString allOf(const std::vector<std::uint8_t>& element)
+{
+    std::vector<std::uint8_t> run(sizeof(std::uint32_t));
+    const auto count = std::uint32_t(kPoints);
+    std::memcpy(run.data(), &count, sizeof count);
+    run.insert(run.end(), element.begin(), element.end());
+    return QString::fromStdString(toBase64(std::as_bytes(std::span<const std::uint8_t>(run))));
 }
 
 /// The cloud, edited from its beginning with a journal beside it.
@@ -364,6 +393,102 @@ private slots:
         Progress progress;
         QVERIFY(complaint([&] { replay(contents, *cloud, history, progress); }).find("another file") !=
                 std::string::npos);
+    }
+
+    /// A literal says what comes of it: what it says must not reach what everything relies on.
+    void craftedLiteralsAreRefused_data()
+    {
+        QTest::addColumn<QString>("key");
+        QTest::addColumn<QString>("value");
+        QTest::addColumn<QString>("key2");
+        QTest::addColumn<QString>("value2");
+        QTest::addColumn<QString>("said");
+        const QString bytes = QStringLiteral("\n0\n1\n\n\n\n\n\nuint8\nruns\n") + allOf({0x07});
+        const QString words = QStringLiteral("\n0\n1\n\n\n\n\n\nuint16\nruns\n") + allOf({0x07, 0x07});
+        const QString own = QStringLiteral("field of the LAS point format"),
+                      notUnderstood = QStringLiteral("not understood");
+        const auto one = [&](const char* name, const QString& key, const QString& value, const QString& said) {
+            QTest::newRow(name) << key << value << QString() << QString() << said;
+        };
+        const auto two = [&](const char* name, const QString& key, const QString& value, const QString& key2,
+                             const QString& value2) {
+            QTest::newRow(name) << key << value << key2 << value2 << notUnderstood;
+        };
+        const QString first = QStringLiteral("+000"), second = QStringLiteral("+001"),
+                      made = QStringLiteral("Made");
+        one("good", first, made + bytes, {});
+        one("adds a coordinate", first, QStringLiteral("X") + bytes, own);
+        one("adds without a name", first, bytes, notUnderstood);
+        two("adds twice", first, made + bytes, second, made + words);
+        one("adds a scalar named RGB", first, QStringLiteral("RGB") + bytes, notUnderstood);
+        one("adds a composite of coordinates", first, QStringLiteral("All\n4\ncomposite\nX\nY\nZ"), own);
+        one("adds a composite that is a scalar", first, QStringLiteral("All\n0\ncomposite\nA\nB\nC"),
+            notUnderstood);
+        one("adds a composite of two types", first, QStringLiteral("All\n4\ncomposite\nA\nB\nBig id"),
+            notUnderstood);
+        two("adds a composite of what goes", QStringLiteral("-A"), {}, first,
+            QStringLiteral("All\n4\ncomposite\nA\nB\nC"));
+        one("good composite", first, QStringLiteral("All\n4\ncomposite\nA\nB\nC"), {});
+        one("removes a composite", QStringLiteral("-ABC"), {}, notUnderstood);
+        one("removes a coordinate", QStringLiteral("-Z"), {}, own);
+        one("renames a coordinate", QStringLiteral(">Z"), made, own);
+        two("renames two alike", QStringLiteral(">A"), made, QStringLiteral(">B"), made);
+        two("renames as it adds", QStringLiteral(">A"), made, first, made + bytes);
+        one("renames to nothing", QStringLiteral(">A"), {}, notUnderstood);
+        one("sets coordinates", QStringLiteral("=Z"), QStringLiteral("int32\nruns\n") + allOf({1, 2, 3, 4}),
+            QStringLiteral("Coordinates stay"));
+        one("good values", QStringLiteral("=A"), QStringLiteral("uint8\nruns\n") + allOf({9}), {});
+        one("unknown key", QStringLiteral("*A"), {}, notUnderstood);
+        one("empty key", {}, {}, notUnderstood);
+        one("deleted or not", QStringLiteral("deleted"), QStringLiteral("perhaps"), notUnderstood);
+    }
+    void craftedLiteralsAreRefused()
+    {
+        QFETCH(QString, key);
+        QFETCH(QString, value);
+        QFETCH(QString, key2);
+        QFETCH(QString, value2);
+        QFETCH(QString, said);
+        const auto cloud = makeCloudOfParts();
+        Recipe literal;
+        literal.step = kLiteralStep;
+        literal.values["name"] = "Crafted";
+        literal.values[key.toStdString()] = value.toStdString();
+        if (!key2.isEmpty()) literal.values[key2.toStdString()] = value2.toStdString();
+        std::unique_ptr<Command> command;
+        const std::string complained = complaint([&] { command = makeLiteral(literal, *cloud); });
+        if (!said.isEmpty()) {
+            QVERIFY2(complained.find(said.toStdString()) != std::string::npos, complained.c_str());
+            return;
+        }
+        QCOMPARE(complained, std::string("no error"));
+        const auto before = snapshot(*cloud);
+        History history(cloud);
+        history.push(std::move(command));
+        history.undo();
+        QVERIFY(snapshot(*cloud) == before);
+    }
+
+    /// A composite that comes once more, of columns that the cloud has, leaves these to the cloud.
+    void aCompositeThatIsThereKeepsLaterEdits()
+    {
+        const auto cloud = makeCloudOfParts();
+        for (const char* parts : {"A\nB\nC", "B\nA\nC"}) {
+            const QTemporaryDir folder;
+            History history(cloud, {0, 0, folder.path().toStdString()});
+            history.push(makeLiteral({kLiteralStep.data(),
+                                      {{"name", "Again"}, {"+000", std::string("ABC\n4\ncomposite\n") + parts}},
+                                      nullptr},
+                                     *cloud));
+            QCOMPARE(history.kept().file, std::size_t(0));
+            const auto values = cloud->findAttribute("A")->columns[0]->values<std::uint8_t>();
+            follow(history, *cloud, {0, {"set", {{"rule", "A = 200"}}, nullptr}});
+            QCOMPARE(int(values[7]), 200);
+            history.undo();
+            history.undo();
+            follow(history, *cloud, {0, {"set", {{"rule", "A = 100"}}, nullptr}});
+            QCOMPARE(int(values[7]), 100);
+        }
     }
 
     void aFullDiskStopsTheJournalAndNotTheEdit()
