@@ -13,6 +13,7 @@
 #include "ui/docks/PropertiesDock.h"
 
 #include <QApplication>
+#include <QDir>
 #include <QFileDialog>
 #include <QFileInfo>
 #include <QLineEdit>
@@ -281,6 +282,35 @@ private slots:
         const auto saved = las::load(toPath(path), progress);
         QCOMPARE(int(saved->source()->layout.format), 7);
         QCOMPARE(countValues(*saved->findAttribute("Classification"), progress)[200], std::uint64_t(20884));
+    }
+
+    void whatIsUndoneWhileItIsWrittenStaysUnsaved()
+    {
+        TestWindow test;
+        const QString path = test.folder.filePath(QStringLiteral("large.laz"));
+        writeSample(path, 400'000);
+        Document* document = test.open(path);
+        QVERIFY(document);
+        QVERIFY(reclassify(test, *document, "-1000", "1000", "30"));
+        const QDir folder(test.folder.path());
+        const auto files = [&] { return folder.entryList(QDir::Files | QDir::Hidden).size(); };
+        const auto before = files();
+        test.window->save();
+        QVERIFY(waitFor([&] { return files() > before; }));  // the new file grows beside the old one
+        test.window->menu().undo->trigger();
+        QVERIFY(waitFor([&] { return !test.window->workspace().busy(); }));
+        QVERIFY(document->modified());
+        const QStringList said = test.window->viewport().messages().sentences();
+        QVERIFY2(said.join(QLatin1Char('\n')).contains(QStringLiteral("save once more")),
+                 qPrintable(said.join(QLatin1Char('\n'))));
+        Progress progress;
+        const auto written = las::load(toPath(path), progress);
+        QCOMPARE(countValues(*written->findAttribute("Classification"), progress)[30], std::uint64_t(400'000));
+
+        test.window->save();
+        QVERIFY(waitFor([&] { return !test.window->workspace().busy() && !document->modified(); }));
+        const auto again = las::load(toPath(path), progress);
+        QCOMPARE(countValues(*again->findAttribute("Classification"), progress)[30], std::uint64_t(0));
     }
 
     void savesAlthoughThereIsNothingToCompareWith()
