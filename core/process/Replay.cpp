@@ -8,9 +8,63 @@
 #include "core/task/Progress.h"
 
 #include <memory>
+#include <new>
+#include <optional>
+#include <stdexcept>
 
 namespace punctum
 {
+
+namespace
+{
+
+/// What the sentence about an entry calls it.
+std::string nameOf(const JournalEntry& entry, const History& history)
+{
+    switch (entry.kind) {
+        case JournalEntry::Kind::Undo:
+            return "Undo " + history.undoName();
+        case JournalEntry::Kind::Redo:
+            return "Redo " + history.redoName();
+        case JournalEntry::Kind::Do:
+            break;
+    }
+    return entry.name;
+}
+
+/// Throws when it cannot be followed, with nothing changed.
+void follow(const JournalEntry& entry, const PointCloud& cloud, History& history, Progress& progress)
+{
+    if (entry.kind == JournalEntry::Kind::Undo) return history.undo();
+    if (entry.kind == JournalEntry::Kind::Redo) return history.redo();
+    Recipe recipe = entry.recipe;
+    if (entry.within) recipe.within = std::make_shared<PointSet>(entry.within->unpacked());
+    auto command = makeCommand(recipe, cloud, progress);
+    const PointIndex changed = command ? command->changedPoints() : 0;
+    if (changed != entry.changed)
+        throw Error("It would change " + pointsText(changed) + " in place of " + grouped(entry.changed) + ".");
+    history.push(std::move(command));
+}
+
+/// Why it could not be followed; nothing: it was. Throws Cancelled.
+std::optional<std::string> trouble(const JournalEntry& entry, const PointCloud& cloud, History& history,
+                                   Progress& progress)
+{
+    try {
+        follow(entry, cloud, history, progress);
+        return {};
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        return "There is not enough memory.";
+    } catch (const std::length_error&) {  // more than any memory
+        return "There is not enough memory.";
+    } catch (const std::exception& e) {
+        return e.what();
+    }
+}
+
+}  // namespace
 
 Replayed replay(const JournalContents& journal, const PointCloud& cloud, History& history, Progress& progress)
 {
@@ -21,33 +75,11 @@ Replayed replay(const JournalContents& journal, const PointCloud& cloud, History
     Replayed replayed;
     for (const JournalEntry& entry : journal.entries) {
         progress.check();
-        switch (entry.kind) {
-            case JournalEntry::Kind::Undo:
-                history.undo();
-                break;
-            case JournalEntry::Kind::Redo:
-                history.redo();
-                break;
-            case JournalEntry::Kind::Do: {
-                std::unique_ptr<Command> command;
-                std::string reason;
-                try {
-                    Recipe recipe = entry.recipe;
-                    if (entry.within) recipe.within = std::make_shared<PointSet>(entry.within->unpacked());
-                    command = makeCommand(recipe, cloud, progress);
-                } catch (const Error& e) {
-                    reason = e.what();
-                }
-                const PointIndex changed = command ? command->changedPoints() : 0;
-                if (reason.empty() && changed != entry.changed)
-                    reason =
-                        "It would change " + pointsText(changed) + " in place of " + grouped(entry.changed) + ".";
-                if (!reason.empty()) {
-                    replayed.stopped = "\"" + entry.name + "\" cannot be done again: " + reason;
-                    return replayed;
-                }
-                history.push(std::move(command));
-            }
+        const std::string name = nameOf(entry, history);
+        const auto reason = trouble(entry, cloud, history, progress);
+        if (reason) {
+            replayed.stopped = "\"" + name + "\" cannot be done again: " + *reason;
+            break;
         }
         ++replayed.entries;
     }

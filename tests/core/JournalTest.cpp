@@ -491,6 +491,35 @@ private slots:
         }
     }
 
+    /// Undo that fails ends the replaying like an edit that does: what came before counts.
+    void undoThatFailsIsTold()
+    {
+        const QTemporaryDir folder;
+        const auto cloud = makeCloud();
+        History history(cloud, {0, 0, folder.path().toStdString()});
+        follow(history, *cloud, {0, {"set", {{"rule", "Intensity = X"}}, nullptr}});
+        QCOMPARE(history.kept().memory, std::size_t(0));
+        // the file has no name, but this program has it open
+        int cut = 0;
+        for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+            std::error_code ignored;
+            const std::string target = std::filesystem::read_symlink(entry.path(), ignored).string();
+            if (target.starts_with(folder.path().toStdString()) && ::truncate(entry.path().c_str(), 1) == 0) ++cut;
+        }
+        QCOMPARE(cut, 1);
+        Progress progress;
+        const auto before = snapshot(*cloud);
+        JournalContents contents;
+        contents.key = keyOf(*cloud, progress);
+        contents.entries.resize(1);
+        contents.entries[0].kind = JournalEntry::Kind::Undo;
+        const Replayed replayed = replay(contents, *cloud, history, progress);
+        QVERIFY2(replayed.stopped.find("\"Undo Set Intensity = X\" cannot be done again") == 0,
+                 replayed.stopped.c_str());
+        QCOMPARE(replayed.entries, std::size_t(0));
+        QVERIFY(snapshot(*cloud) == before);
+    }
+
     void aFullDiskStopsTheJournalAndNotTheEdit()
     {
         if (!std::filesystem::exists("/dev/full")) QSKIP("There is no /dev/full here.");
