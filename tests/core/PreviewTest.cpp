@@ -21,11 +21,13 @@ std::shared_ptr<PointCloud> makeCloud(bool narrow)
 {
     auto cloud = makeFrame(kPoints, {glm::dvec3(0.01), glm::dvec3(100.0)}, narrow);
     std::mt19937_64 random(8);
-    for (auto& value : addScalar<std::uint16_t>(*cloud, "Intensity")) value = std::uint16_t(random() % 4000);
-    for (auto& value : addScalar<double>(*cloud, "Height"))
+    for (const auto values = addScalar<std::uint16_t>(*cloud, "Intensity"); auto& value : values)
+        value = std::uint16_t(random() % 4000);
+    for (const auto values = addScalar<double>(*cloud, "Height"); auto& value : values)
         value = random() % 9 == 0 ? std::numeric_limits<double>::quiet_NaN() : double(random() % 1000);
     for (const char* name : {"Red", "Green", "Blue"})
-        for (auto& value : addScalar<std::uint16_t>(*cloud, name)) value = std::uint16_t(random());
+        for (const auto values = addScalar<std::uint16_t>(*cloud, name); auto& value : values)
+            value = std::uint16_t(random());
     addComposite(*cloud, "RGB", AttributeKind::Color, {"Red", "Green", "Blue"});
     for (const auto& column : cloud->columns())
         if (column->name() == "ClassFlags" || column->name() == "Classification")
