@@ -11,6 +11,14 @@ std::string grouped(std::uint64_t number)
     return text;
 }
 
+std::string hexText(std::uint64_t number, int digits)
+{
+    std::string text(std::size_t(digits), '0');
+    for (auto digit = text.rbegin(); digit != text.rend(); ++digit, number >>= 4)
+        *digit = "0123456789abcdef"[number & 15u];
+    return text;
+}
+
 std::string pointsText(std::uint64_t count)
 {
     return count == 1 ? "1 point" : grouped(count) + " points";

@@ -446,8 +446,8 @@ void MainWindow::exportScreenshotTo(const QString& path)
     const QString name = QFileInfo(path).fileName();
     const bool section = sectionHasKeys();
     saveScreenshot(*m_workspace, (section ? m_sections->viewport() : *m_viewport).renderer(), path,
-                                  m_transparentScreenshots,
-                                  section ? tr("Saved the section as %1.").arg(name) : tr("Saved %1.").arg(name));
+                   m_transparentScreenshots,
+                   section ? tr("Saved the section as %1.").arg(name) : tr("Saved %1.").arg(name));
 }
 
 bool MainWindow::sectionHasKeys() const

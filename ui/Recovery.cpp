@@ -91,13 +91,7 @@ void Recovery::noteDown(OpenCloud& data, Progress& progress) noexcept
     }
 }
 
-void Recovery::saved(OpenCloud& data) noexcept
-{
-    closed(data);
-    data.journalTold = false;
-}
-
-void Recovery::closed(OpenCloud& data) noexcept
+void Recovery::dropJournal(OpenCloud& data) noexcept
 {
     if (const auto journal = data.history->journal()) journal->remove();
     data.history->setJournal(nullptr);

@@ -38,10 +38,9 @@ public:
     /// Called by a job that is about to change a cloud, with its gate held: begins the journal where there is none.
     /// What keeps it from that is told once, and never stops the edit.
     void noteDown(OpenCloud& data, Progress& progress) noexcept;
-    /// The file has been saved: what the journal tells is about the file of before. Called with the gate held.
-    static void saved(OpenCloud& data) noexcept;
-    /// The file is closed in order.
-    static void closed(OpenCloud& data) noexcept;
+    /// There is nothing to recover: the file is closed in order, or was saved, and what the journal tells is about
+    /// the file of before (with the gate held).
+    static void dropJournal(OpenCloud& data) noexcept;
 
     /// Looks for a journal of the document, and asks.
     void look(Document& document);

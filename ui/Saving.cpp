@@ -85,7 +85,7 @@ SaveOutcome saveCloud(OpenCloud& data, const std::filesystem::path& original, co
         data.history->forgetSaved();
     else
         data.history->markSaved();
-    Recovery::saved(data);
+    Recovery::dropJournal(data);
     data.journalTold = outcome.disturbed;  // the message says so
     outcome.compared = !outcome.disturbed && forecast && forecast->edits == edits;
     if (outcome.compared) outcome.preview = std::move(forecast->preview);

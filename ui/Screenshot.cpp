@@ -80,7 +80,7 @@ void writeScreenshot(ScreenshotPicture& picture, const QString& path, Progress& 
 }  // namespace
 
 void saveScreenshot(Workspace& workspace, ViewRenderer& view, const QString& path, bool transparent,
-                      const QString& sentence)
+                    const QString& sentence)
 {
     const auto picture = std::make_shared<ScreenshotPicture>();
     view.capture(transparent,

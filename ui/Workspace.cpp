@@ -67,7 +67,7 @@ Workspace::~Workspace()
     m_watches.clear();
     for (Document* document :
          m_documents)  // ended in order: what is unsaved was to be given up, or there is nothing
-        Recovery::closed(*document->data());
+        Recovery::dropJournal(*document->data());
     qDeleteAll(m_documents);
 }
 
@@ -236,7 +236,7 @@ void Workspace::remove(Document& document, bool openingFailed)
     startJob(
         tr("Close %1").arg(document.name()),
         [data = document.data()](Progress& progress) {
-            Recovery::closed(*data);
+            Recovery::dropJournal(*data);
             while (data.use_count() > 1 && !progress.cancelled())
                 std::this_thread::sleep_for(std::chrono::milliseconds(20));
         },

@@ -41,9 +41,15 @@ struct RawReader {
     {
         const T raw = data[i * stride];
         if constexpr (std::is_integral_v<T>) {
-            if (width != 0) return T((std::uint64_t(raw) >> shift) & ((std::uint64_t(1) << width) - 1));
+            if (width != 0) return bits(raw);
         }
         return raw;
+    }
+    /// The field's bits of an element; width is not 0.
+    T bits(T raw) const noexcept requires std::is_integral_v<T>
+    {
+        using U = std::make_unsigned_t<T>;
+        return T(U(U(raw) >> shift) & U((std::uint64_t(1) << width) - 1));
     }
 };
 
@@ -153,10 +159,8 @@ void Attribute::read(PointRange range, double* out, std::uint32_t component) con
         const auto n = std::size_t(range.size());
         const double factor = scale, base = offset;
         if constexpr (std::is_integral_v<T>) {
-            using U = std::make_unsigned_t<T>;
-            const U mask = U((std::uint64_t(1) << raw.width) - 1);  // of all ones or none, where it is not used
             if (raw.width != 0 && !scaled) {
-                for (std::size_t k = 0; k < n; ++k) out[k] = double(T(U(U(values[k]) >> raw.shift) & mask));
+                for (std::size_t k = 0; k < n; ++k) out[k] = double(raw.bits(values[k]));
                 return;
             }
         }
@@ -200,13 +204,10 @@ void gatherRawBits(const Attribute& a, const Indices& indices, Out* out, std::ui
                 return;
             }
             // said apart, so that they become loops over vectors
-            using U = std::make_unsigned_t<T>;
-            const U mask = U((std::uint64_t(1) << raw.width) - 1);
             if (raw.width == 0)
                 for (std::size_t k = 0; k < indices.size(); ++k) out[k] = Out(raw.data[indices[k]]);
             else
-                for (std::size_t k = 0; k < indices.size(); ++k)
-                    out[k] = Out(T(U(U(raw.data[indices[k]]) >> raw.shift) & mask));
+                for (std::size_t k = 0; k < indices.size(); ++k) out[k] = Out(raw.bits(raw.data[indices[k]]));
         } else {
             std::fill_n(out, indices.size(), Out(0));
         }

@@ -23,6 +23,15 @@ public:
     PointIndex size() const noexcept { return m_size; }  ///< of the cloud, not of the set
     bool contains(PointIndex i) const noexcept { return (m_words[i / 64] >> (i % 64)) & 1u; }
     void insert(PointIndex i) noexcept { m_words[i / 64] |= std::uint64_t(1) << (i % 64); }
+    void insert(PointRange range) noexcept
+    {
+        while (range.first < range.last) {
+            const PointIndex end = std::min(range.last, (range.first / 64 + 1) * 64), n = end - range.first;
+            const std::uint64_t run = n == 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << n) - 1;
+            m_words[range.first / 64] |= run << (range.first % 64);
+            range.first = end;
+        }
+    }
     void remove(PointIndex i) noexcept { m_words[i / 64] &= ~(std::uint64_t(1) << (i % 64)); }
     void clear() { std::fill(m_words.begin(), m_words.end(), 0); }
 

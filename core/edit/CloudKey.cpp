@@ -2,6 +2,7 @@
 #include "core/edit/CloudKey.h"
 
 #include "core/Error.h"
+#include "core/Text.h"
 #include "core/las/Reader.h"
 #include "core/task/Progress.h"
 
@@ -87,10 +88,7 @@ std::string CloudKey::text() const
 
 std::string CloudKey::digestText() const
 {
-    std::string text(16, '0');
-    std::uint64_t v = digest;
-    for (auto digit = text.rbegin(); digit != text.rend(); ++digit, v >>= 4) *digit = "0123456789abcdef"[v & 15u];
-    return text;
+    return hexText(digest, 16);
 }
 
 CloudKey keyOf(const PointCloud& cloud, Progress& progress, const KeptPoints* kept)

@@ -37,13 +37,6 @@ std::uint32_t crc32(std::uint32_t crc, std::string_view text) noexcept
     return ~crc;
 }
 
-std::string hex(std::uint64_t v, int digits)
-{
-    std::string text(std::size_t(digits), '0');
-    for (int k = digits - 1; k >= 0; --k, v >>= 4) text[std::size_t(k)] = "0123456789abcdef"[v & 15u];
-    return text;
-}
-
 template <typename T>
 bool parse(std::string_view text, T& out, int base = 10)
 {
@@ -62,7 +55,7 @@ std::string escaped(std::string_view text)
         if (plain)
             word += c;
         else
-            word += '%' + hex(byte, 2);
+            word += '%' + hexText(byte, 2);
     }
     return word.empty() ? std::string("%") : word;
 }
@@ -183,7 +176,7 @@ std::string journalLine(const JournalEntry& entry)
 std::string summed(const std::string& line, std::uint32_t& sum)
 {
     sum = crc32(sum, line);
-    return line + " " + hex(sum, int(kSumDigits)) + "\n";
+    return line + " " + hexText(sum, int(kSumDigits)) + "\n";
 }
 
 SoundJournal soundPart(const std::filesystem::path& path, const std::string& text)

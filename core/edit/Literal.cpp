@@ -116,8 +116,7 @@ public:
         if (kept == nullptr)
             m_kept.invert();
         else
-            for (const PointRange& run : kept->ranges())
-                for (PointIndex i = run.first; i < run.last; ++i) m_kept.insert(i);
+            for (const PointRange& run : kept->ranges()) m_kept.insert(run);
         m_told = m_kept;
         if (m_points) m_told.intersect(*m_points);
     }

@@ -78,15 +78,7 @@ bool PackedSet::forRuns(F f) const
 PointSet PackedSet::unpacked() const
 {
     PointSet points(m_size);
-    const auto words = points.words();
-    forRuns([&](PointIndex first, PointIndex last) {
-        while (first < last) {
-            const PointIndex end = std::min(last, (first / 64 + 1) * 64);
-            const std::uint64_t n = end - first;
-            words[first / 64] |= (n == 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << n) - 1) << (first % 64);
-            first = end;
-        }
-    });
+    forRuns([&](PointIndex first, PointIndex last) { points.insert(PointRange{first, last}); });
     return points;
 }
 

@@ -8,6 +8,7 @@
 #include "core/edit/SpillFile.h"
 #include "core/task/Progress.h"
 #include "tests/core/Complaint.h"
+#include "tests/core/CutSpillFile.h"
 #include "tests/core/MadeCloud.h"
 
 #include <QTemporaryDir>
@@ -76,6 +77,14 @@ std::vector<Attribute> normals(PointIndex size, float value)
     for (std::size_t c = 0; c < 3; ++c) vector.columns[c] = list[c].columns[0];
     list.push_back(vector);
     return list;
+}
+
+/// Rows of a test of what a history keeps.
+void keptInMemoryOrOnTheDisk()
+{
+    QTest::addColumn<bool>("onDisk");
+    QTest::newRow("in memory") << false;
+    QTest::newRow("on the disk") << true;
 }
 
 }  // namespace
@@ -211,9 +220,7 @@ void EditTest::noticeNamesAttributeAndPoints()
 
 void EditTest::oneMillionOfTwentyComesAndGoes_data()
 {
-    QTest::addColumn<bool>("onDisk");
-    QTest::newRow("from memory") << false;
-    QTest::newRow("from the disk") << true;
+    keptInMemoryOrOnTheDisk();
 }
 
 void EditTest::oneMillionOfTwentyComesAndGoes()
@@ -507,9 +514,7 @@ void EditTest::writerGetsInWhileReadersRead()
 
 void EditTest::randomEditsComeBack_data()
 {
-    QTest::addColumn<bool>("onDisk");
-    QTest::newRow("in memory") << false;
-    QTest::newRow("on the disk") << true;
+    keptInMemoryOrOnTheDisk();
 }
 
 /// 1,000 edits of every kind of set and type, undone and redone; and what the commands keep is packed, or in a
@@ -718,14 +723,7 @@ void EditTest::whatCannotBeReadBackChangesNothing()
     history.push(setValue<std::uint8_t>(*cloud, "Classification", 3, 2));
     QCOMPARE(history.kept().memory, std::size_t(0));
     const auto before = snapshot(*cloud);
-    // the file has no name, but this program has it open
-    int cut = 0;
-    for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
-        std::error_code ignored;
-        const std::string target = std::filesystem::read_symlink(entry.path(), ignored).string();
-        if (target.starts_with(folder.path().toStdString()) && ::truncate(entry.path().c_str(), 1) == 0) ++cut;
-    }
-    QCOMPARE(cut, 1);
+    QCOMPARE(cutSpillFiles(folder.path().toStdString()), 1);
     for (int round = 0; round < 2; ++round) {
         const std::string told = complaint([&] { history.undo(); });
         QVERIFY2(told.find("cannot be read back") != std::string::npos, told.c_str());

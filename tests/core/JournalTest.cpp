@@ -12,6 +12,7 @@
 #include "core/process/Replay.h"
 #include "core/task/Progress.h"
 #include "tests/core/Complaint.h"
+#include "tests/core/CutSpillFile.h"
 #include "tests/core/MadeCloud.h"
 
 #include <QProcess>
@@ -499,14 +500,7 @@ private slots:
         History history(cloud, {0, 0, folder.path().toStdString()});
         follow(history, *cloud, {0, {"set", {{"rule", "Intensity = X"}}, nullptr}});
         QCOMPARE(history.kept().memory, std::size_t(0));
-        // the file has no name, but this program has it open
-        int cut = 0;
-        for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
-            std::error_code ignored;
-            const std::string target = std::filesystem::read_symlink(entry.path(), ignored).string();
-            if (target.starts_with(folder.path().toStdString()) && ::truncate(entry.path().c_str(), 1) == 0) ++cut;
-        }
-        QCOMPARE(cut, 1);
+        QCOMPARE(cutSpillFiles(folder.path().toStdString()), 1);
         Progress progress;
         const auto before = snapshot(*cloud);
         JournalContents contents;

@@ -70,6 +70,14 @@ struct RuleBench : Bench {
         return valuesNow() == columns && document->data()->history->position() == 0 && !document->modified() &&
                !window->isWindowModified() && !points();
     }
+    /// Presses Preview for this rule, until its points are counted and the view no longer shows `before`.
+    bool preview(const QString& rule, const render::Image& before)
+    {
+        type(rule);
+        press(dock().previewButton());
+        return comes(QStringLiteral("would change")) && waitFor([&] { return frame()->image != before; }) &&
+               settle();
+    }
     /// Until the view shows that picture.
     bool shows(const render::Image& image)
     {
@@ -222,10 +230,7 @@ private slots:
         RuleBench b;
         QVERIFY(b.begin(QStringLiteral("Classification")));
         const render::Image plain = b.frame()->image;
-        b.type(QStringLiteral("Intensity = 9 if Z > 425"));
-        b.press(b.dock().previewButton());
-        QVERIFY(b.comes(QStringLiteral("would change")) && b.untouched());
-        QVERIFY(waitFor([&] { return b.frame()->image != plain; }) && b.settle());
+        QVERIFY(b.preview(QStringLiteral("Intensity = 9 if Z > 425"), plain) && b.untouched());
         const render::Image tinted = b.frame()->image;
         b.press(b.dock().endPreviewButton());
         QVERIFY(b.shows(plain));
@@ -238,10 +243,7 @@ private slots:
         b.window->viewSettings().setAttribute(QStringLiteral("RGB"));
         QVERIFY(b.settle(QStringLiteral("RGB")));
         const render::Image colors = b.frame()->image;
-        b.type(QStringLiteral("Red = 65535 if Z > 425"));
-        b.press(b.dock().previewButton());
-        QVERIFY(b.comes(QStringLiteral("would change")));
-        QVERIFY(waitFor([&] { return b.frame()->image != colors; }) && b.settle());
+        QVERIFY(b.preview(QStringLiteral("Red = 65535 if Z > 425"), colors));
         const render::Image reddened = b.frame()->image;
         QVERIFY(b.untouched());
         QVERIFY(b.runEdit([&] { b.press(b.dock().applyButton()); }));
@@ -288,10 +290,7 @@ private slots:
             QFile file(path);
             return waitFor([&] { return saved; }) && file.open(QIODevice::ReadOnly) ? file.readAll() : QByteArray();
         };
-        b.type(QStringLiteral("Classification = 5"));
-        b.press(b.dock().previewButton());
-        QVERIFY(b.comes(QStringLiteral("would change")));
-        QVERIFY(waitFor([&] { return b.frame()->image != plain; }) && b.settle());
+        QVERIFY(b.preview(QStringLiteral("Classification = 5"), plain));
         const QByteArray during = saveTo(QStringLiteral("during.las"));
         b.dock().hide();  // nobody could tell what the view shows
         QVERIFY(b.shows(plain) && b.untouched());

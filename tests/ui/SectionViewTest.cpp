@@ -511,11 +511,7 @@ private slots:
         b.click(first);
         b.moveFree(first + QPoint(40, 0));
         QVERIFY(waitFor([&] { return b.sections().band().draft().has_value(); }));
-        const render::Camera before = b.view().camera();
-        QTest::keyPress(&b.view(), Qt::Key_Space);
-        b.drag(b.at(0.5, 0.5), b.at(0.7, 0.6));
-        QTest::keyRelease(&b.view(), Qt::Key_Space);
-        QVERIFY(!(b.view().camera() == before));
+        QVERIFY(b.dragCamera(b.at(0.5, 0.5), b.at(0.7, 0.6)));
         QVERIFY(b.settle());
         b.click(first);  // where the first end was, and is no more
         QVERIFY(waitFor([&] { return b.sections().section().has_value(); }));

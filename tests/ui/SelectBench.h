@@ -65,6 +65,15 @@ struct Bench : TestWindow {
         release(to, m);
     }
     void click(QPoint p) { QTest::mouseClick(&view(), Qt::LeftButton, {}, p); }
+    /// With Space held. Whether the camera moved, as it must.
+    bool dragCamera(QPoint from, QPoint to)
+    {
+        const render::Camera before = view().camera();
+        QTest::keyPress(&view(), Qt::Key_Space);
+        drag(from, to);
+        QTest::keyRelease(&view(), Qt::Key_Space);
+        return !(view().camera() == before);
+    }
     void key(Qt::Key k) { QTest::keyClick(&view(), k); }
     void wheel(QPoint p, int notches)
     {

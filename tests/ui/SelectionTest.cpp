@@ -185,11 +185,7 @@ private slots:
         NEED_AUTZEN();
         Bench b;
         QVERIFY(b.begin(Tool::Rectangle));
-        const render::Camera before = b.view().camera();
-        QTest::keyPress(&b.view(), Qt::Key_Space);
-        b.drag(b.at(0.4, 0.4), b.at(0.6, 0.5));
-        QTest::keyRelease(&b.view(), Qt::Key_Space);
-        QVERIFY(!(b.view().camera() == before));
+        QVERIFY(b.dragCamera(b.at(0.4, 0.4), b.at(0.6, 0.5)));
         QVERIFY(b.done());
         QVERIFY(!b.points());
         const render::Camera moved = b.view().camera();
