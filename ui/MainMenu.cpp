@@ -224,7 +224,7 @@ void MainMenu::makeView()
     QMenu* background = menu->addMenu(tr("&Background"));
     m_backgrounds = new QActionGroup(this);
     choice(background, m_backgrounds, tr("&Dark"), int(ViewSettings::Background::Dark));
-    choice(background, m_backgrounds, tr("&Gray"), int(ViewSettings::Background::Grey));
+    choice(background, m_backgrounds, tr("&Gray"), int(ViewSettings::Background::Gray));
     choice(background, m_backgrounds, tr("&White"), int(ViewSettings::Background::White));
     choice(background, m_backgrounds, tr("&Other Color..."), int(ViewSettings::Background::Own));
     connect(m_backgrounds, &QActionGroup::triggered, this, [this, &settings](const QAction* a) {

@@ -141,7 +141,7 @@ void ViewSettings::setBackground(Background background)
             m_display.backgroundTop = Rgba8{34, 38, 44, 255};
             m_display.backgroundBottom = Rgba8{18, 20, 23, 255};
             break;
-        case Background::Grey:
+        case Background::Gray:
             m_display.backgroundTop = m_display.backgroundBottom = Rgba8{118, 120, 124, 255};
             break;
         case Background::White:

@@ -15,7 +15,7 @@ class ViewSettings final : public QObject
 {
     Q_OBJECT
 public:
-    enum class Background { Dark, Grey, White, Own };
+    enum class Background { Dark, Gray, White, Own };
 
     explicit ViewSettings(QObject* parent = nullptr);
 

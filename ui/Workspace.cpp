@@ -206,7 +206,7 @@ void Workspace::openingEnded(const std::shared_ptr<Opening>& opening, const JobI
         say(MessageKind::Warning, tr("%1 opened with %2 warnings; the File panel lists them.")
                                       .arg(document->name())
                                       .arg(warnings.size()));
-    analyse(*document, {});
+    analyze(*document, {});
     m_recovery->look(*document);
 }
 
@@ -263,10 +263,10 @@ void Workspace::handleNotice(Document& document, const ChangeNotice& notice, Aft
     }
     emit cloudChanged(&document, notice);
     document.noteEdit();
-    if (!document.loading() && !names.isEmpty()) analyse(document, names);
+    if (!document.loading() && !names.isEmpty()) analyze(document, names);
 }
 
-void Workspace::analyse(Document& document, const QStringList& names)
+void Workspace::analyze(Document& document, const QStringList& names)
 {
     Watch& watch = m_watches[&document];
     if (watch.analysis != 0) {
@@ -317,7 +317,7 @@ void Workspace::analyse(Document& document, const QStringList& names)
             if (found == m_watches.end()) return;
             found->second.analysis = 0;
             const QStringList pending = std::exchange(found->second.pendingAnalysis, {});
-            if (!pending.isEmpty()) analyse(*target, pending);
+            if (!pending.isEmpty()) analyze(*target, pending);
         },
         true);
     tie(document, watch.analysis);

@@ -132,7 +132,7 @@ private:
         PointIndex deletedCount = 0;
     };
     void handleNotice(Document& document, const ChangeNotice& notice, After after);
-    void analyse(Document& document, const QStringList& names);
+    void analyze(Document& document, const QStringList& names);
     void moveHistory(Document& document, std::size_t position, const QString& title);
 
     struct Watch {

@@ -29,7 +29,7 @@ struct PointRange {
 /// One field of the point record, for every point: an array in the file's own type.
 ///
 /// Bit-packed bytes stay bytes; undocumented extra bytes are one column of `components` bytes a point.
-/// Shape: size() x components() of type(), contiguous, point after point. Not synchronised: see
+/// Shape: size() x components() of type(), contiguous, point after point. Not synchronized: see
 /// PointCloud::mutex().
 class Column
 {

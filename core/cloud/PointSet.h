@@ -12,7 +12,7 @@
 namespace punctum
 {
 
-/// A set of points of one cloud: a bit for each index. 64 neighbouring points share a word, so that parallel
+/// A set of points of one cloud: a bit for each index. 64 neighboring points share a word, so that parallel
 /// writers must own whole words.
 class PointSet
 {

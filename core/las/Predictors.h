@@ -252,7 +252,7 @@ public:
     template <typename Coder>
     Color code(Coder& coder, const Color& before, const Color& real)
     {
-        // the bits of `changed` are in the order of the bytes, then "not grey"
+        // the bits of `changed` are in the order of the bytes, then "not gray"
         const unsigned changed = coder.likelySymbol(m_changed, Coder::kEncodes ? changes(before, real) : 0);
         Color color = before;
         const auto next = [&](unsigned byte, int predicted) {
@@ -280,8 +280,8 @@ private:
     {
         unsigned changed = 0;
         for (unsigned k = 0; k < 6; ++k) changed |= unsigned(real[k] != before[k]) << k;
-        const bool grey = real[2] == real[0] && real[4] == real[0] && real[3] == real[1] && real[5] == real[1];
-        return changed | unsigned(!grey) << 6;
+        const bool gray = real[2] == real[0] && real[4] == real[0] && real[3] == real[1] && real[5] == real[1];
+        return changed | unsigned(!gray) << 6;
     }
 
     SymbolModel<128> m_changed;

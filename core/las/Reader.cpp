@@ -290,7 +290,7 @@ struct Seen {
     void include(const std::int32_t* const axes[3], const std::uint8_t* returns, std::size_t n, std::uint8_t mask)
     {
         if (!within(axes, n)) extend(axes, n);
-        // Four tables: neighbours often have the same value, and must not wait for each other.
+        // Four tables: neighbors often have the same value, and must not wait for each other.
         std::uint32_t counts[4][256] = {};
         std::size_t i = 0;
         for (; i + 4 <= n; i += 4)

@@ -24,7 +24,7 @@ namespace
 constexpr std::uint64_t kSmallestHeader = 227;
 constexpr std::uint8_t kNewestMinor = 5;
 constexpr std::size_t kSamplePlaces = 128;   ///< LAS: places in the file where points are looked at
-constexpr std::size_t kSampleRun = 64;       ///< LAS: neighbouring points at each place
+constexpr std::size_t kSampleRun = 64;       ///< LAS: neighboring points at each place
 constexpr std::size_t kSampleChunks = 1024;  ///< LAZ: chunks whose first point is looked at
 constexpr double kLargestCoordinate = 1e18;  ///< beyond it no unit makes sense
 constexpr double kHeaderBoxAtMost = 20;      ///< times the sampled extent, else the header's box is not believed

@@ -9,19 +9,21 @@
 #include <span>
 #include <vector>
 
-namespace punctum {
+namespace punctum
+{
 
 class Progress;
 
 /// The points of a cloud, but for deleted ones, sorted into the leaves of a kd-tree (Bentley 1975), each with its
 /// tight box.
 /// It serves two ends: near points lie together, so that the cloud can be worked on piece by piece whatever its
-/// density; and the exact neighbours of a single point can be found across all pieces. The splits are the medians
+/// density; and the exact neighbors of a single point can be found across all pieces. The splits are the medians
 /// of a sample, so that sorting is one parallel pass that can be cancelled, and the same on any number of threads.
 /// Distances are computed from the raw integers in double: coordinates of any size keep their precision.
 ///
 /// Coordinates never change, so nothing is locked after construction. Every question may be asked from any thread.
-class KdOrder {
+class KdOrder
+{
 public:
     using Raw = std::array<std::int32_t, 3>;
 

@@ -12,19 +12,22 @@
 #include <algorithm>
 #include <cmath>
 
-namespace punctum {
+namespace punctum
+{
 
-namespace {
+namespace
+{
 
 using Tree = pcl::KdTreeFLANN<pcl::PointXYZ>;
 
 constexpr std::size_t kTilePoints = 32'768;  ///< a tree of these takes some 10 ms, which a cancel has to wait for
 constexpr std::size_t kTrialPoints = 24;     ///< searched in the whole order to learn how wide the margin should be
-constexpr double kLeastSteps = 1000;  ///< of floats, to the k-th neighbour: distances are then good to a thousandth
+constexpr double kLeastSteps = 1000;  ///< of floats, to the k-th neighbor: distances are then good to a thousandth
 constexpr std::size_t kCheck = 64;    ///< points between two looks at the cancel flag
 
 /// A tile's points and those of a margin around it, in floats from the tile's middle. Own points come first.
-class TileCloud {
+class TileCloud
+{
 public:
     TileCloud(const KdOrder& order, std::size_t node)
         : m_order(order), m_node(node), m_own(order.points(node)), m_points(new pcl::PointCloud<pcl::PointXYZ>)
@@ -112,7 +115,8 @@ double floatStep(const KdOrder& order, std::size_t node)
 }
 
 /// Gathers what a visitor is told; one a task, its memory used again for each point.
-class Report {
+class Report
+{
 public:
     Report(const KdOrder& order, const NeighborVisitor& visit) : m_order(order), m_visit(visit) {}
 
@@ -228,8 +232,8 @@ void forEachNearest(const KdOrder& order, std::size_t k, const std::string& stag
 void forEachWithin(const KdOrder& order, double radius, const std::string& stage, Progress& progress,
                    const NeighborVisitor& visit)
 {
-    // The order's own search is the faster one here (measured: 2.0 s against 2.7 s for 18 neighbours of 2 M
-    // points), and looks at the cancel flag however many neighbours there are.
+    // The order's own search is the faster one here (measured: 2.0 s against 2.7 s for 18 neighbors of 2 M
+    // points), and looks at the cancel flag however many neighbors there are.
     forTiles(order, stage, progress, visit, [&](std::size_t node, Report& report) {
         std::vector<KdOrder::Found> found;
         forOwn(order.points(node), progress, [&](std::size_t, std::uint32_t point) {

@@ -3,15 +3,17 @@
 
 #include "core/process/Step.h"
 
-namespace punctum {
+namespace punctum
+{
 
 /// normals k=16, or normals radius=0.5: adds NormalX, NormalY, NormalZ (float32) and the vector Normal.
 ///
-/// The normal of the plane of least squares through a point's neighbours (itself among them, as PCL counts), by
+/// The normal of the plane of least squares through a point's neighbors (itself among them, as PCL counts), by
 /// PCL's computePointNormal; turned upward, so that NormalZ is never negative. A point with fewer than three
-/// neighbours, or with all of them in one place, has no plane: its normal is (0, 0, 0). No NaN is written. Where
+/// neighbors, or with all of them in one place, has no plane: its normal is (0, 0, 0). No NaN is written. Where
 /// the file has NormalX, NormalY, NormalZ already (float32 or float64), their values are replaced.
-class NormalsStep final : public Step {
+class NormalsStep final : public Step
+{
 public:
     std::string name() const override { return "normals"; }
     std::string title() const override { return "Normals"; }

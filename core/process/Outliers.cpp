@@ -91,7 +91,7 @@ std::unique_ptr<Command> OutliersStep::run(const PointCloud& cloud, const StepVa
     const auto k = std::size_t(*integerValue(complete, "k"));
     const auto code = std::uint32_t(*integerValue(complete, "class"));
     const Attribute classes = classAttribute(cloud, code);
-    // Of k points or fewer none has k neighbours; nothing is unusual then.
+    // Of k points or fewer none has k neighbors; nothing is unusual then.
     if (cloud.size() <= k) return nullptr;
 
     std::vector<float> distances(cloud.size(), kNone);

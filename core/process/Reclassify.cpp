@@ -116,7 +116,7 @@ RawRange<T> rawRange(const Attribute& a, Value min, Value max)
     return range;
 }
 
-/// Sets the bits of words [firstWord, lastWord) for which match(i) is 1; match must not branch, to be vectorised.
+/// Sets the bits of words [firstWord, lastWord) for which match(i) is 1; match must not branch, to be vectorized.
 template <typename Match>
 void setWords(PointSet& points, std::size_t firstWord, std::size_t lastWord, Match match)
 {

@@ -10,11 +10,13 @@
 #include <cmath>
 #include <utility>
 
-namespace punctum::sample {
+namespace punctum::sample
+{
 
-namespace {
+namespace
+{
 
-constexpr double kMargin = 30.0;   ///< of the grids around the survey, so that its edge has neighbours
+constexpr double kMargin = 30.0;   ///< of the grids around the survey, so that its edge has neighbors
 constexpr double kTreeCell = 7.0;  ///< at most one tree in each
 constexpr double kTallestCell = 4.0;
 constexpr double kRoadHalf = 4.0;  ///< main road, half its width
@@ -55,7 +57,10 @@ void forRows(std::int64_t rows, Progress& progress, F&& f)
     progress.add(1);
 }
 
-constexpr Color grey(double v) { return {v, v, v}; }
+constexpr Color gray(double v)
+{
+    return {v, v, v};
+}
 
 }  // namespace
 
@@ -81,7 +86,7 @@ Place Scene::place(double x, double y) const
 
 /// One house of a town, in the town's frame.
 struct Scene::Building {
-    double a = 0, b = 0;          ///< centre
+    double a = 0, b = 0;          ///< center
     double halfA = 0, halfB = 0;  ///< half its size
     double z = 0;                 ///< of the ground it stands on
     double wall = 0, rise = 0;    ///< height of the walls, and of the ridge above them
@@ -296,7 +301,10 @@ double Scene::terrainHeight(double x, double y, double river, double road) const
                                                            0.07 * noise(m_seed + kHills + 5, x / 4.3, y / 4.3));
 }
 
-double Scene::lineOffset(double x, double y) const { return (x - m_lineX) * kLineY - (y - m_side * 0.5) * kLineX; }
+double Scene::lineOffset(double x, double y) const
+{
+    return (x - m_lineX) * kLineY - (y - m_side * 0.5) * kLineX;
+}
 
 // -- towns -----------------------------------------------------------------------------------------------------
 
@@ -368,7 +376,7 @@ void Scene::build(Town& town)
             const bool flat = house.roof == Building::Roof::Flat;
             const double bright = random.between(0.42, 0.66);
             const std::uint64_t paint = random.next();
-            house.roofColor = flat ? grey(bright) : kRoofs[paint % 6];
+            house.roofColor = flat ? gray(bright) : kRoofs[paint % 6];
             house.wallColor = kWalls[(paint >> 8) % 4];
             house.reflectance = flat ? 0.22 : 0.30;
 
@@ -379,7 +387,7 @@ void Scene::build(Town& town)
             garage.b = lotB - kLotB / 2 + 2.4;
             garage.wall = 2.6;
             garage.roof = Building::Roof::Flat;
-            garage.roofColor = grey(bright * 0.9);
+            garage.roofColor = gray(bright * 0.9);
 
             const double x = town.x + house.a * town.c - house.b * town.s;
             const double y = town.y + house.a * town.s + house.b * town.c;
@@ -447,8 +455,8 @@ std::optional<Solid> Scene::solid(double x, double y) const
         Solid bridge;
         bridge.top = roadLevel(x, y - p.layers[Place::Road], p.river()) + (parapet ? 1.0 : 0.0);
         bridge.code = 17;
-        bridge.color = grey(parapet ? 0.62 : 0.38);
-        bridge.sideColor = grey(0.6);
+        bridge.color = gray(parapet ? 0.62 : 0.38);
+        bridge.sideColor = gray(0.6);
         bridge.reflectance = 0.15;
         return bridge;
     }
@@ -599,7 +607,7 @@ Ground Scene::ground(double x, double y, const Place& place) const
     if (road < kRoadHalf + 1.2) {
         g.code = road < kRoadHalf ? 11 : 2;
         const bool paint = (road < 0.14 && fractionOf(x / 9.0) < 0.55) || std::fabs(road - kRoadHalf + 0.35) < 0.12;
-        g.color = road >= kRoadHalf ? Color{0.55, 0.51, 0.44} * mottle : paint ? grey(0.88) : grey(0.34) * mottle;
+        g.color = road >= kRoadHalf ? Color{0.55, 0.51, 0.44} * mottle : paint ? gray(0.88) : gray(0.34) * mottle;
         g.reflectance = paint ? 0.55 : road < kRoadHalf ? 0.10 : 0.25;
         return g;
     }
@@ -615,14 +623,14 @@ Ground Scene::ground(double x, double y, const Place& place) const
         const bool paved = town->edge(x, y) > 6.0;
         if (paved && (fa < kStreet || fb < kStreet)) {
             g.code = 11;
-            g.color = grey(0.40) * mottle;
+            g.color = gray(0.40) * mottle;
             g.reflectance = 0.12;
             return g;
         }
         constexpr double kWalk = 1.4;
         if (paved &&
             (fa < kStreet + kWalk || fb < kStreet + kWalk || fa > kStreetA - kWalk || fb > kStreetB - kWalk)) {
-            g.color = grey(0.58) * mottle;
+            g.color = gray(0.58) * mottle;
             g.reflectance = 0.28;
             return g;
         }

@@ -4,14 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
-namespace punctum::sample {
+namespace punctum::sample
+{
 
-namespace {
+namespace
+{
 
 constexpr double kRangeNoise = 0.015;     ///< metres, one deviation
 constexpr double kPulseSeparation = 0.6;  ///< metres between two returns that a scanner can tell apart
 
-/// The aerial photograph: colour under sun and sky. `direct`: how much the surface faces the sun, 1 for flat
+/// The aerial photograph: color under sun and sky. `direct`: how much the surface faces the sun, 1 for flat
 /// ground.
 Color lit(const Color& color, double direct, double inSun, Random& random)
 {
@@ -29,7 +31,10 @@ double facing(double dzdx, double dzdy)
 }
 
 /// 0 in shadow, 1 in the sun. The shadow is read where the beam meets the ground: a leaning beam is not far off.
-double inSun(const Place& place, double z) { return 1.0 - smooth((place.shadow() - z + 0.1) / 0.9); }
+double inSun(const Place& place, double z)
+{
+    return 1.0 - smooth((place.shadow() - z + 0.1) / 0.9);
+}
 
 /// Where the beam meets something hard, from the top down.
 struct Hit {

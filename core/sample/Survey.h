@@ -7,7 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-namespace punctum::sample {
+namespace punctum::sample
+{
 
 /// One return of a laser pulse. Lengths in metres in the scene's frame.
 struct Return {
@@ -50,7 +51,7 @@ struct FlightPlan {
     double side = 0;
     double height = 0;  ///< above the ground
     double halfSwath = 0;
-    double halfSpacing = 0;  ///< beyond it a neighbouring line sees the same ground
+    double halfSpacing = 0;  ///< beyond it a neighboring line sees the same ground
     double pulseGap = 0;     ///< metres between pulses along and across, before it is fitted
     std::vector<Line> lines;
     std::vector<Block> blocks;

@@ -11,7 +11,7 @@
 namespace punctum::render
 {
 
-/// 256 colours from the lowest to the highest value.
+/// 256 colors from the lowest to the highest value.
 using ColorTable = std::array<Rgba8, 256>;
 
 struct ColorMap {
@@ -19,7 +19,7 @@ struct ColorMap {
     ColorTable table;
 };
 
-/// All colour maps, from resources/colormaps: viridis, turbo, cividis, grey first.
+/// All color maps, from resources/colormaps: viridis, turbo, cividis, grey first.
 std::span<const ColorMap> colorMaps();
 /// Null when there is none of that name.
 const ColorMap* findColorMap(std::string_view name);
@@ -39,10 +39,10 @@ struct ClassStyle {
     Rgba8 color;
 };
 
-/// Name and default colour of the 256 class codes, from resources/palettes/asprs.txt.
+/// Name and default color of the 256 class codes, from resources/palettes/asprs.txt.
 const std::array<ClassStyle, 256>& asprsClasses();
 
-/// A colour for an id: neighbours in value get unlike colours, the same id always the same. Shaders repeat this
+/// A color for an id: neighbors in value get unlike colors, the same id always the same. Shaders repeat this
 /// integer arithmetic: hue steps by the golden ratio, three rings of lightness.
 constexpr Rgba8 categoryColor(std::uint32_t id) noexcept
 {

@@ -93,7 +93,7 @@ class GlBuffer
 {
 public:
     GlBuffer() noexcept = default;
-    /// Uninitialised memory. Throws Error when the device has none left.
+    /// Uninitialized memory. Throws Error when the device has none left.
     static GlBuffer allocate(std::size_t bytes);
 
     GlId id() const noexcept { return m_handle.id(); }
@@ -105,7 +105,7 @@ public:
         return m_handle.release();
     }
 
-    /// Makes the buffer anew, uninitialised, when it is smaller. Throws Error.
+    /// Makes the buffer anew, uninitialized, when it is smaller. Throws Error.
     void reserve(std::size_t bytes);
     /// Sets each 4 bytes of the whole buffer, whose size must be a multiple of 4.
     void clear(std::uint32_t value = 0);

@@ -190,7 +190,7 @@ public:
     virtual void addColors(const FrameScene& scene, const ResolveSettings& settings, std::size_t layer,
                            SlotRange slots) = 0;
 
-    /// Makes the picture: colours from each layer's store words, samples averaged. scene.layers as drawn.
+    /// Makes the picture: colors from each layer's store words, samples averaged. scene.layers as drawn.
     virtual void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) = 0;
 
     /// Depth of each pixel's nearest sample, along the view direction in view units (Camera), rows from the top;

@@ -6,7 +6,7 @@
 namespace punctum::render
 {
 
-/// Finds the layer of a point id. Remembers the last answer, since neighbouring pixels mostly show the same cloud.
+/// Finds the layer of a point id. Remembers the last answer, since neighboring pixels mostly show the same cloud.
 class LayerLookup
 {
 public:

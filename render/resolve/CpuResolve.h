@@ -7,7 +7,7 @@
 namespace punctum::render
 {
 
-/// The background of a row: the gradient's colour, the same for all of the row.
+/// The background of a row: the gradient's color, the same for all of the row.
 Rgba8 backgroundOf(int row, int height, const ResolveSettings& settings) noexcept;
 
 /// Turns a CPU visibility buffer (CpuBackend::cells()) into a picture, in parallel. Samples of a pixel are

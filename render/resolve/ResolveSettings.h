@@ -12,11 +12,11 @@
 namespace punctum::render
 {
 
-/// How one layer's words become colours.
+/// How one layer's words become colors.
 struct LayerColors {
     WordKind kind = WordKind::Scalar;
-    float low = 0.0f;   ///< Scalar: value - bias that gets the first colour of the map
-    float high = 1.0f;  ///< Scalar: value - bias that gets the last
+    float low = 0.0f;     ///< Scalar: value - bias that gets the first color of the map
+    float high = 1.0f;    ///< Scalar: value - bias that gets the last
     bool marked = false;  ///< selected points are: see selectedBit()
     friend bool operator==(const LayerColors&, const LayerColors&) = default;
 };
@@ -27,7 +27,7 @@ enum class NormalLook {
     Direction,  ///< x, y and z as red, green and blue
 };
 
-/// All that decides colours; changing it touches no point.
+/// All that decides colors; changing it touches no point.
 struct ResolveSettings {
     std::vector<LayerColors> layers;       ///< one for each layer of the scene
     ColorTable colorMap{};                 ///< Scalar
@@ -48,7 +48,7 @@ struct ResolveSettings {
 /// Selected points have this color, and a little of their own.
 inline constexpr Rgba8 kSelectedColor{255, 214, 64, 255};
 
-/// The colour of one word: the reference that every backend follows.
+/// The color of one word: the reference that every backend follows.
 inline Rgba8 colorOf(std::uint32_t word, const LayerColors& layer, const ResolveSettings& settings) noexcept;
 
 }  // namespace punctum::render

@@ -11,9 +11,9 @@
 namespace punctum::render
 {
 
-/// How the 4 bytes of a slot are to be read when colours are made.
+/// How the 4 bytes of a slot are to be read when colors are made.
 enum class WordKind : std::uint32_t {
-    Scalar = 0,    ///< float bits of value - bias: colour map over a range; NaN: no value
+    Scalar = 0,    ///< float bits of value - bias: color map over a range; NaN: no value
     Class = 1,     ///< class code: palette
     Category = 2,  ///< id: categoryColor()
     Color = 3,     ///< r, g, b, 255 from the lowest byte on
@@ -32,7 +32,7 @@ class AttributeEncoder
 {
 public:
     /// `bias`: taken off scalar values before they become float, so that GPS times keep their digits.
-    /// `colorShift`: 8 when colours have 16 bits, 0 when they have 8 (display only).
+    /// `colorShift`: 8 when colors have 16 bits, 0 when they have 8 (display only).
     AttributeEncoder(Attribute attribute, double bias, int colorShift);
 
     const Attribute& attribute() const noexcept { return m_attribute; }
@@ -43,8 +43,8 @@ public:
     void setSelection(std::shared_ptr<const PointSet> selection) { m_selection = std::move(selection); }
     const std::shared_ptr<const PointSet>& selection() const noexcept { return m_selection; }
 
-    /// Words of the points listed into `out` (indices.size() values). False when a colour does not fit into
-    /// 8 bits after colorShift (it is cut to 255 then): the file has 16-bit colours.
+    /// Words of the points listed into `out` (indices.size() values). False when a color does not fit into
+    /// 8 bits after colorShift (it is cut to 255 then): the file has 16-bit colors.
     bool encode(std::span<const std::uint32_t> indices, std::uint32_t* out) const;
     /// The same for consecutive points, which is faster.
     bool encode(PointRange range, std::uint32_t* out) const;

@@ -17,7 +17,7 @@
 namespace punctum::render
 {
 
-/// The attribute that a cloud is first shown by, judged by the points of `range`: RGB if it has colours, else
+/// The attribute that a cloud is first shown by, judged by the points of `range`: RGB if it has colors, else
 /// Intensity if it varies, else Classification if it varies, else Z.
 std::string firstAttribute(const PointCloud& cloud, PointRange range);
 
@@ -99,7 +99,7 @@ public:
     std::shared_ptr<const AttributeEncoder> encoder() const;
     /// The attribute of the cloud that is shown, beneath any preview. Not before there is an encoder().
     Attribute shown() const;
-    /// True when 16-bit colours turned up in a cloud that looked like 8-bit: show() it again.
+    /// True when 16-bit colors turned up in a cloud that looked like 8-bit: show() it again.
     bool colorsMisjudged() const;
     /// Marks the words and classes of these points (null: of all) as out of date. Few points are brought up to
     /// date at once.
@@ -134,7 +134,7 @@ private:
     std::shared_ptr<const PointSet> m_selection;  ///< null until anything was selected
     std::atomic<PointIndex> m_filled{0};
     std::atomic<bool> m_outgrown{false};
-    std::atomic<bool> m_colorsOutgrown{false};  ///< some colour needs 16 bits
+    std::atomic<bool> m_colorsOutgrown{false};  ///< some color needs 16 bits
     std::vector<std::atomic<std::uint32_t>> m_positionVersions, m_wordVersions;
     std::vector<std::uint64_t> m_fresh;  ///< a bit a slot: up to date although m_refreshed has not come to it
     bool m_stale = false;

@@ -157,7 +157,7 @@ private slots:
         QTest::addColumn<QString>("step");
         QTest::addColumn<int>("exitCode");
         QTest::newRow("unknown step") << "polish k=3" << 2;
-        QTest::newRow("unknown key") << "normals neighbours=3" << 2;
+        QTest::newRow("unknown key") << "normals neighbors=3" << 2;
         QTest::newRow("value out of bounds") << "normals k=-1" << 2;
         QTest::newRow("not a number") << "normals k=many" << 2;
         QTest::newRow("value missing") << "reclassify attribute=Z min=1 max=2" << 2;

@@ -264,15 +264,15 @@ private slots:
             render("narrow.png", base + QStringList{"--attribute", "Z", "--range", "-9000:-8000"});
         QVERIFY(rgb != height && height != grey && height != narrow);
         QVERIFY(height == lower);  // however the name is spelt
-        bool allGrey = true;
+        bool allGray = true;
         std::set<QRgb> narrowColors;
         for (int y = 0; y < grey.height(); ++y)
             for (int x = 0; x < grey.width(); ++x) {
                 const QRgb g = grey.pixel(x, y);
-                if (qAlpha(g) != 0) allGrey = allGrey && qRed(g) == qGreen(g) && qGreen(g) == qBlue(g);
+                if (qAlpha(g) != 0) allGray = allGray && qRed(g) == qGreen(g) && qGreen(g) == qBlue(g);
                 if (qAlpha(narrow.pixel(x, y)) != 0) narrowColors.insert(narrow.pixel(x, y));
             }
-        QVERIFY(allGrey);
+        QVERIFY(allGray);
         QCOMPARE(narrowColors.size(), std::size_t(1));  // everything lies above: one color
 
         const Outcome run = runPunctum({"render", path("in.las"), "-o", path("no.png"), "--attribute", "Zest"});

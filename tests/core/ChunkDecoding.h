@@ -256,10 +256,10 @@ private:
     void color(std::size_t at)
     {
         if (!changes()) return;
-        const bool grey = below(3) == 0;
+        const bool gray = below(3) == 0;
         for (std::size_t k = 0; k < 6; ++k)
             if (below(3) != 0) m_record[at + k] = std::byte(m_random());
-        if (grey)
+        if (gray)
             for (std::size_t k = 2; k < 6; ++k) m_record[at + k] = m_record[at + k % 2];
     }
     void wave(std::size_t at)

@@ -102,7 +102,7 @@ void CloudTest::everyTypeIsReadExactly()
 
 void CloudTest::wideIntegersStayExact()
 {
-    // neighbours that are one and the same as doubles
+    // neighbors that are one and the same as doubles
     const std::uint64_t u = 18446744073709551614u;
     const auto unsignedCloud = holding<std::uint64_t>({u, u + 1, u});
     auto s = statistics(theAttribute(unsignedCloud));

@@ -96,7 +96,7 @@ class EditTest : public QObject
 private slots:
     void valuesSwapAndComeBack_data();
     void valuesSwapAndComeBack();
-    void bitFieldLeavesItsNeighboursAlone();
+    void bitFieldLeavesItsNeighborsAlone();
     void wideElementsSwap();
     void noticeNamesAttributeAndPoints();
     void oneMillionOfTwentyComesAndGoes_data();
@@ -157,7 +157,7 @@ void EditTest::valuesSwapAndComeBack()
     QVERIFY(snapshot(*cloud) == after);
 }
 
-void EditTest::bitFieldLeavesItsNeighboursAlone()
+void EditTest::bitFieldLeavesItsNeighborsAlone()
 {
     const auto cloud = makeFrame(200, {}, true);
     auto bytes = cloud->columns()[3]->values<std::uint8_t>();

@@ -121,7 +121,7 @@ inline std::uint8_t minorFor(std::uint8_t format)
     return std::uint8_t(format >= 6 ? 4 : format >= 4 ? 3 : 2);
 }
 
-/// `count` records of random bits. With `likely`, neighbours resemble each other, as in a survey.
+/// `count` records of random bits. With `likely`, neighbors resemble each other, as in a survey.
 inline Bytes randomRecords(std::uint8_t format, std::uint16_t length, std::size_t count, std::uint32_t seed,
                            bool likely = false)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Neighbours, normals and outliers against brute force over all pairs, on clouds that are hard on tiles.
+// Neighbors, normals and outliers against brute force over all pairs, on clouds that are hard on tiles.
 #include "core/process/Neighbors.h"
 
 #include "core/Error.h"
@@ -25,7 +25,7 @@ namespace
 using Cloud = std::shared_ptr<PointCloud>;
 
 #if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-constexpr bool kFast = true;  ///< optimised: as many points as a real tile has, and promises on time are checked
+constexpr bool kFast = true;  ///< optimized: as many points as a real tile has, and promises on time are checked
 #else
 constexpr bool kFast = false;
 #endif
@@ -188,7 +188,7 @@ void NeighborsTest::nearestAreExact()
         QVERIFY(std::all_of(visits.begin(), visits.end(), [](const auto& v) { return v == 1; }));
         for (const auto& [point, squared] : some) {
             const auto expected = allDistances(*cloud, point, k);
-            // what floats in a tile can tell; a neighbour left out would be further off
+            // what floats in a tile can tell; a neighbor left out would be further off
             const double slack = 0.003 * std::sqrt(expected[k - 1]) + 1e-12;
             for (std::size_t j = 0; j < k; ++j)
                 QVERIFY2(std::abs(std::sqrt(squared[j]) - std::sqrt(expected[j])) <= slack,

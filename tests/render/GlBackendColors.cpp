@@ -83,8 +83,8 @@ void GlBackendChecks::editsShowInTheNextFrame()
     QCOMPARE(differing(view.renderer.image(), before), 0);
 }
 
-// Every kind of word through both resolves: the same ids get the same colours, so that only a scalar on the rim of
-// two entries of the colour map may differ, by that one entry.
+// Every kind of word through both resolves: the same ids get the same colors, so that only a scalar on the rim of
+// two entries of the color map may differ, by that one entry.
 void GlBackendChecks::colorsAreThoseOfTheCpuBackend()
 {
     const auto cloud = makeCloud(1000);
@@ -128,7 +128,7 @@ void GlBackendChecks::colorsAreThoseOfTheCpuBackend()
         }
 }
 
-// While a file loads, what has been drawn has its colours, although blocks change faster than they are sent whole.
+// While a file loads, what has been drawn has its colors, although blocks change faster than they are sent whole.
 void GlBackendChecks::colorsAreRightWhileLoading()
 {
     const auto cloud = cloudNamed("synthetic");

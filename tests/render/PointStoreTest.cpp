@@ -148,7 +148,7 @@ void PointStoreTest::eightBitColorsAreShownAsSuch()
     QCOMPARE(eight.encoder()->colorShift(), 0);
     QVERIFY(!eight.colorsMisjudged());
 
-    // One 16-bit colour late in the file: found out, and mended by showing the attribute again.
+    // One 16-bit color late in the file: found out, and mended by showing the attribute again.
     dark->findAttribute("Green")->columns[0]->values<std::uint16_t>()[39'999] = 40'000;
     PointStore mixed(dark, dark->computeBounds());
     mixed.fill({0, 10'000});

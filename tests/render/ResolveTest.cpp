@@ -77,15 +77,15 @@ void ResolveTest::scalarsClampToTheRange()
     ResolveSettings settings;
     settings.colorMap = findColorMap("grey")->table;
     const LayerColors layer{WordKind::Scalar, 10.0f, 20.0f};
-    const auto grey = [&](float v) {
+    const auto gray = [&](float v) {
         return unsigned(colorOf(std::bit_cast<std::uint32_t>(v), layer, settings).r);
     };
-    QCOMPARE(grey(-5), 0u);
-    QCOMPARE(grey(10), 0u);
-    QCOMPARE(grey(15), 128u);
-    QCOMPARE(grey(20), 255u);
-    QCOMPARE(grey(1e30f), 255u);
-    QCOMPARE(grey(std::numeric_limits<float>::quiet_NaN()), unsigned(settings.noValue.r));
+    QCOMPARE(gray(-5), 0u);
+    QCOMPARE(gray(10), 0u);
+    QCOMPARE(gray(15), 128u);
+    QCOMPARE(gray(20), 255u);
+    QCOMPARE(gray(1e30f), 255u);
+    QCOMPARE(gray(std::numeric_limits<float>::quiet_NaN()), unsigned(settings.noValue.r));
     const LayerColors flat{WordKind::Scalar, 5.0f, 5.0f};
     QCOMPARE(unsigned(colorOf(std::bit_cast<std::uint32_t>(5.0f), flat, settings).r), 128u);
 }
@@ -163,7 +163,7 @@ namespace
 
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 
-/// A low step down the middle of a slope, with a hole in it, all grey.
+/// A low step down the middle of a slope, with a hole in it, all gray.
 std::vector<float> steps(int width, int height, float near, float scale)
 {
     std::vector<float> depths;
@@ -192,10 +192,10 @@ void ResolveTest::eyeDomeShadesWhatLiesBehind()
     Image image = before;
     shadeEyeDome(depths, false, 1, 1, image);
     QCOMPARE(image.at(5, 5), before.at(5, 5));  // the hole
-    const auto grey = [&](int x) { return int(image.at(x, 20).r); };
-    QVERIFY2(grey(kWidth / 2) < grey(kWidth / 2 - 1) - 20, "the far side of the step is the dark one");
-    QVERIFY(grey(kWidth / 2 - 1) > 150);
-    QCOMPARE(grey(kWidth / 2 + 10), grey(kWidth - 10));  // a slope is shaded evenly
+    const auto gray = [&](int x) { return int(image.at(x, 20).r); };
+    QVERIFY2(gray(kWidth / 2) < gray(kWidth / 2 - 1) - 20, "the far side of the step is the dark one");
+    QVERIFY(gray(kWidth / 2 - 1) > 150);
+    QCOMPARE(gray(kWidth / 2 + 10), gray(kWidth - 10));  // a slope is shaded evenly
     Image strong = before;
     shadeEyeDome(depths, false, 3, 1, strong);
     QVERIFY(strong.at(kWidth / 2, 20).r < image.at(kWidth / 2, 20).r);

@@ -7,7 +7,7 @@ layout(std430, binding = 1) readonly buffer Words1 { uint words1[]; };
 layout(std430, binding = 2) readonly buffer Words2 { uint words2[]; };
 layout(std430, binding = 3) readonly buffer Words3 { uint words3[]; };
 layout(rgba32ui, binding = 0) uniform uimage2D sums;  // red, green, blue times alpha, and alpha
-layout(r32ui, binding = 1) writeonly uniform uimage2D picture;  // a colour packed as Rgba8
+layout(r32ui, binding = 1) writeonly uniform uimage2D picture;  // a color packed as Rgba8
 
 layout(location = 0) uniform uvec4 firstIds;
 layout(location = 1) uniform uvec4 counts;  // 0: no such chunk

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Draws points into the visibility buffer (Schuetz, Kerbl, Wimmer 2022, section 3). A work group draws a batch of
-// GROUP_POINTS points, one invocation some of them, a stride apart, so that neighbours read neighbouring memory. What
+// GROUP_POINTS points, one invocation some of them, a stride apart, so that neighbors read neighboring memory. What
 // is hidden by what was drawn before is found by a plain read; only the rest does atomic operations.
 //
 // PASS 2: one 64-bit minimum of (depth, id). Where the driver has none: PASS 0 finds each sample's least depth and
