@@ -263,19 +263,18 @@ std::vector<std::byte> miniFile(const LazInfo& info, std::uint32_t chunkSize, st
 {
     const bool extended = isExtendedFormat(info.format);
     Header h;
-    h.bytes.resize(extended ? 375 : 227);
-    std::memcpy(h.bytes.data(), "LASF", 4);
-    h.set<std::uint8_t>(24, 1);
-    h.set<std::uint8_t>(at::kVersionMinor, extended ? 4 : 2);
-    h.set<std::uint16_t>(at::kHeaderSize, std::uint16_t(h.bytes.size()));
-    h.set<std::uint32_t>(at::kPointOffset, std::uint32_t(h.bytes.size() + Vlr::kHeaderSize + info.payload.size()));
-    h.set<std::uint32_t>(at::kVlrCount, 1);
-    h.set<std::uint8_t>(at::kPointFormat, info.format | 0x80);
-    h.set<std::uint16_t>(at::kRecordLength, info.recordLength);
-    h.set<std::uint32_t>(at::kLegacyCount,
-                         extended ? 0 : std::uint32_t(std::min<std::uint64_t>(count, UINT32_MAX)));
-    h.set<std::uint64_t>(at::kPointCount, count);
-    for (std::size_t k = 0; k < 3; ++k) h.set<double>(at::kScale + 8 * k, 1.0);
+    h.bytes.resize(standardHeaderSize(extended ? 4 : 2));
+    h.setText(at::kSignature, "LASF");
+    h.set(at::kVersionMajor, 1);
+    h.set(at::kVersionMinor, extended ? 4 : 2);
+    h.set(at::kHeaderSize, std::uint16_t(h.bytes.size()));
+    h.set(at::kPointOffset, std::uint32_t(h.bytes.size() + Vlr::kHeaderSize + info.payload.size()));
+    h.set(at::kVlrCount, 1);
+    h.set(at::kPointFormat, info.format | 0x80);
+    h.set(at::kRecordLength, info.recordLength);
+    h.set(at::kLegacyCount, extended ? 0 : std::uint32_t(std::min<std::uint64_t>(count, UINT32_MAX)));
+    h.set(at::kPointCount, count);
+    for (std::size_t k = 0; k < 3; ++k) h.set(at::kScale[k], 1.0);
 
     std::vector<std::byte> bytes = std::move(h.bytes);
     const auto add = [&](const void* p, std::size_t n) {

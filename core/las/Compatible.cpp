@@ -20,8 +20,8 @@ namespace
 {
 
 constexpr std::size_t kRecordSize = 156;  ///< 8 bytes of LASzip's, then the LAS 1.4 header from byte 227 on
-constexpr std::size_t kCountAt = 8 + at::kPointCount - at::kWaveformStart;
-constexpr std::size_t kByReturnAt = 8 + at::kByReturn - at::kWaveformStart;
+constexpr std::size_t kCountAt = 8 + at::kPointCount.offset - at::kWaveformStart.offset;
+constexpr std::size_t kByReturnAt = 8 + at::kByReturn.offset - at::kWaveformStart.offset;
 constexpr float kAngleStep = 0.006f;  ///< LASzip computes in floats, and so do we
 constexpr PointIndex kGrain = 1 << 16;
 
@@ -299,19 +299,18 @@ std::shared_ptr<PointCloud> nativeCloud(const PointCloud& cloud, std::optional<s
     // The header of 1.4, whose latter part the record has kept. Records that were VLRs stay such.
     const Vlr record = *old.findVlr(kCompatibleUser, kCompatibleRecordId);
     Header& h = source->header;
-    const std::size_t standard = std::min<std::size_t>(standardHeaderSize(h.versionMinor()), h.bytes.size());
+    const std::size_t standard = h.standardEnd();
     const std::vector<std::byte> user(h.bytes.begin() + std::ptrdiff_t(standard), h.bytes.end());
-    h.bytes.resize(std::min<std::size_t>(standard, at::kWaveformStart));
+    h.bytes.resize(std::min(standard, at::kWaveformStart.offset));
     h.bytes.insert(h.bytes.end(), record.data.begin() + 8, record.data.end());
     h.bytes.insert(h.bytes.end(), user.begin(), user.end());
-    h.set<std::uint8_t>(at::kVersionMinor, 4);
+    h.set(at::kVersionMinor, 4);
     h.set(at::kHeaderSize, std::uint16_t(h.bytes.size()));
-    h.set(at::kEvlrStart, std::uint64_t(0));
+    h.set(at::kEvlrStart, 0);
     h.set(at::kEvlrCount, std::uint32_t(source->evlrs.size()));
-    if (old.header.versionMinor() >= 3)
-        h.set(at::kWaveformStart, old.header.get<std::uint64_t>(at::kWaveformStart));
-    h.set(at::kLegacyCount, std::uint32_t(0));
-    for (std::size_t k = 0; k < 5; ++k) h.set(at::kLegacyByReturn + 4 * k, std::uint32_t(0));
+    if (old.header.versionMinor() >= 3) h.set(at::kWaveformStart, old.header.get(at::kWaveformStart));
+    h.set(at::kLegacyCount, 0);
+    for (std::size_t k = 0; k < 5; ++k) h.set(at::kLegacyByReturn[k], 0);
 
     // Extra bytes without those that held fields of 1.4.
     auto hidden = fieldsOf(c);

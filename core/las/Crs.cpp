@@ -13,8 +13,6 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::uint16_t kWktId = 2112;
-
 std::string upper(std::string text)
 {
     for (char& c : text)
@@ -126,12 +124,11 @@ bool readGeoTiff(const Vlr& record, const Vlr* ascii, CrsInfo& info)
 
 CrsInfo readCrs(const SourceFile& source)
 {
-    const Vlr* wkt = source.findVlr(geo::kUser, kWktId);
-    if (wkt == nullptr) wkt = source.findVlr("liblas", kWktId);
+    const Vlr* wkt = source.findVlr(geo::kUser, geo::kWktId);
+    if (wkt == nullptr) wkt = source.findVlr("liblas", geo::kWktId);
     const Vlr* keys = source.findVlr(geo::kUser, geo::kKeysId);
     const Vlr* ascii = source.findVlr(geo::kUser, geo::kAsciiId);
-    const bool wktFirst =
-        (source.header.globalEncoding() & 16) != 0 || isExtendedFormat(source.layout.shownFormat());
+    const bool wktFirst = source.header.says(encoding::kWkt) || isExtendedFormat(source.layout.shownFormat());
 
     CrsInfo info;
     const auto tryWkt = [&] { return wkt != nullptr && readWkt(*wkt, info); };

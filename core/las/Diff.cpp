@@ -296,12 +296,11 @@ std::optional<std::uint64_t> firstDifferentByte(const std::filesystem::path& a, 
 SourceFile plannedSource(WritePlan& plan, const CoordinateScale& coordinates)
 {
     SourceFile s;
-    std::size_t at = std::to_integer<unsigned>(plan.prefix[at::kHeaderSize]) |
-                     std::to_integer<unsigned>(plan.prefix[at::kHeaderSize + 1]) << 8;
     // How long compressed points will be is not known, and no part of the content.
     s.pointDataEnd = plan.prefix.size() + plan.maker->points() * plan.maker->layout().length;
     plan.setPointDataEnd(s.pointDataEnd);
-    s.header.bytes.assign(plan.prefix.begin(), plan.prefix.begin() + std::ptrdiff_t(at));
+    s.header = Header::of(plan.prefix);
+    std::size_t at = s.header.bytes.size();
     s.vlrs = plan.vlrs;
     for (Vlr& vlr : s.vlrs) {  // what is said of compression has been brought up to date in the prefix
         std::copy_n(plan.prefix.begin() + std::ptrdiff_t(at + Vlr::kHeaderSize), vlr.data.size(), vlr.data.begin());

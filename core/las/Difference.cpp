@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "core/las/Difference.h"
 
+#include "core/las/Header.h"
+
 #include "core/Text.h"
 
 #include <algorithm>

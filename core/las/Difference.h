@@ -18,9 +18,6 @@ using ToldValue = std::variant<std::monostate, std::int64_t, std::uint64_t, doub
 /// As text: "none" where there is no such field; doubles with the digits that tell them apart.
 std::string toText(const ToldValue& value);
 
-/// Group of the header fields that only say how many records there are, and where.
-constexpr const char* kRecordNumbers = "number of records";
-
 /// A field of the header (or of the container) whose values differ.
 struct FieldDifference {
     std::string name;   ///< "generating_software", "max_x", "points_by_return[2]"
@@ -64,8 +61,8 @@ struct AttributeDifference {
 struct Difference {
     PointIndex pointsA = 0, pointsB = 0;
     PointIndex onlyA = 0, onlyB = 0;  ///< points that the other lacks
-    PointIndex compared = 0;   ///< points that are in both and could be read
-    PointIndex differing = 0;  ///< of these, points of which some attribute differs that both files have
+    PointIndex compared = 0;          ///< points that are in both and could be read
+    PointIndex differing = 0;         ///< of these, points of which some attribute differs that both files have
     PointIndex unreadableA = 0, unreadableB = 0;
     std::vector<FieldDifference> header;
     std::vector<RecordDifference> records;
@@ -79,8 +76,8 @@ struct Difference {
 
     bool contentEqual() const
     {
-        return onlyA == 0 && onlyB == 0 && differing == 0 && unreadableA == 0 && unreadableB == 0 && header.empty() &&
-               records.empty() && !recordsReordered && bytes.empty() && attributes.empty();
+        return onlyA == 0 && onlyB == 0 && differing == 0 && unreadableA == 0 && unreadableB == 0 &&
+               header.empty() && records.empty() && !recordsReordered && bytes.empty() && attributes.empty();
     }
     bool containerEqual() const { return container.empty() && !firstByte; }
 };

@@ -10,10 +10,12 @@ namespace punctum::las
 
 struct Vlr;
 
-/// Records and keys of GeoTIFF 1.1 (annex B) that say a coordinate system in LAS.
+/// Records that say a coordinate system in LAS (LAS 1.4 R15, 3.2): WKT, and the keys of GeoTIFF 1.1 (annex B).
 namespace geo
 {
 constexpr const char* kUser = "LASF_Projection";
+constexpr std::uint16_t kWktId = 2112;
+constexpr const char* kWktDescription = "OGC coordinate system WKT";
 constexpr std::uint16_t kKeysId = 34735, kDoublesId = 34736, kAsciiId = 34737;
 constexpr std::uint16_t kModelType = 1024, kCitation = 1026, kGeographicType = 2048, kGeographicCitation = 2049,
                         kProjectedType = 3072, kProjectedCitation = 3073, kLinearUnits = 3076, kVerticalType = 4096,

@@ -25,67 +25,7 @@ std::string hex(std::span<const std::byte> bytes)
     return text;
 }
 
-/// A field of the public header (LAS 1.4 R15, table 3; 1.5 R00).
-struct HeaderField {
-    enum class Type { U8, U16, U32, U64, F64, Text, Guid };
-    const char* name;
-    const char* group;
-    Type type;
-    std::size_t offset;
-    std::size_t bytes;
-    std::uint8_t since = 0;  ///< minor version
-    std::size_t count = 1;   ///< of an array; numbered from 1
-    std::uint8_t mask = 0xFF;
-};
-
 using T = HeaderField::Type;
-constexpr HeaderField kFields[] = {
-    {"file_source_id", "file source id", T::U16, at::kFileSourceId, 2},
-    {"global_encoding", "encoding", T::U16, at::kGlobalEncoding, 2},
-    {"project_id", "project id", T::Guid, 8, 16},
-    {"version_major", "version", T::U8, 24, 1},
-    {"version_minor", "version", T::U8, at::kVersionMinor, 1},
-    {"system_identifier", "system identifier", T::Text, at::kSystemId, 32},
-    {"generating_software", "software", T::Text, at::kSoftware, 32},
-    {"creation_day", "creation date", T::U16, at::kCreationDay, 2},
-    {"creation_year", "creation date", T::U16, at::kCreationYear, 2},
-    {"header_size", "header size", T::U16, at::kHeaderSize, 2},
-    {"point_format", "point format", T::U8, at::kPointFormat, 1, 0, 1, 0x3F},
-    {"record_length", "record length", T::U16, at::kRecordLength, 2},
-    {"legacy_point_count", "point counts", T::U32, at::kLegacyCount, 4},
-    {"legacy_points_by_return", "points by return", T::U32, at::kLegacyByReturn, 4, 0, 5},
-    {"scale_x", "scale", T::F64, at::kScale, 8},
-    {"scale_y", "scale", T::F64, at::kScale + 8, 8},
-    {"scale_z", "scale", T::F64, at::kScale + 16, 8},
-    {"offset_x", "offset", T::F64, at::kOffset, 8},
-    {"offset_y", "offset", T::F64, at::kOffset + 8, 8},
-    {"offset_z", "offset", T::F64, at::kOffset + 16, 8},
-    {"max_x", "bounds", T::F64, at::kBounds, 8},
-    {"min_x", "bounds", T::F64, at::kBounds + 8, 8},
-    {"max_y", "bounds", T::F64, at::kBounds + 16, 8},
-    {"min_y", "bounds", T::F64, at::kBounds + 24, 8},
-    {"max_z", "bounds", T::F64, at::kBounds + 32, 8},
-    {"min_z", "bounds", T::F64, at::kBounds + 40, 8},
-    {"evlr_count", kRecordNumbers, T::U32, at::kEvlrCount, 4, 4},
-    {"point_count", "point counts", T::U64, at::kPointCount, 8, 4},
-    {"points_by_return", "points by return", T::U64, at::kByReturn, 8, 4, 15},
-    {"max_gps_time", "GPS time range", T::F64, 375, 8, 5},
-    {"min_gps_time", "GPS time range", T::F64, 383, 8, 5},
-    {"time_offset", "time offset", T::U16, at::kTimeOffset, 2, 5},
-};
-
-/// First byte after the standard part of the header.
-std::size_t standardEnd(const Header& h)
-{
-    return std::min<std::size_t>(standardHeaderSize(h.versionMinor()), h.bytes.size());
-}
-
-std::span<const std::byte> bytesOf(const Header& h, const HeaderField& f, std::size_t k)
-{
-    const std::size_t at = f.offset + k * f.bytes;
-    if (h.versionMinor() < f.since || at + f.bytes > standardEnd(h)) return {};
-    return std::span(h.bytes).subspan(at, f.bytes);
-}
 
 ToldValue told(const HeaderField& f, std::span<const std::byte> bytes)
 {
@@ -120,9 +60,10 @@ bool sameBytes(std::span<const std::byte> a, std::span<const std::byte> b)
 
 void compareFields(const Header& a, const Header& b, Difference& d)
 {
-    for (const HeaderField& f : kFields)
+    for (const HeaderField& f : headerFields()) {
+        if (f.kind == HeaderField::Kind::Place) continue;  // compareContainers looks at what they mean
         for (std::size_t k = 0; k < f.count; ++k) {
-            const auto x = bytesOf(a, f, k), y = bytesOf(b, f, k);
+            const auto x = f.in(a, k), y = f.in(b, k);
             if (x.size() == y.size()) {
                 const bool masked = !x.empty() && f.mask != 0xFF;
                 if (masked ? ((x[0] ^ y[0]) & std::byte(f.mask)) == std::byte(0) : sameBytes(x, y)) continue;
@@ -136,6 +77,7 @@ void compareFields(const Header& a, const Header& b, Difference& d)
             }
             d.header.push_back(std::move(field));
         }
+    }
 }
 
 void compareBytes(const std::string& what, std::span<const std::byte> a, std::span<const std::byte> b,
@@ -260,7 +202,7 @@ std::string compressionText(std::span<const std::byte> data)
 std::uint64_t recordsAnnounced(const SourceFile& s)
 {
     const auto laszip = std::uint64_t(std::count_if(s.vlrs.begin(), s.vlrs.end(), isLaszip));
-    const auto announced = std::uint64_t(s.header.get<std::uint32_t>(at::kVlrCount));
+    const auto announced = std::uint64_t(s.header.get(at::kVlrCount));
     return announced - std::min(announced, laszip);
 }
 
@@ -272,22 +214,26 @@ struct Meaning {
     friend bool operator==(const Meaning&, const Meaning&) = default;
 };
 
-Meaning meaningOf(const SourceFile& s, std::size_t field)
+Meaning meaningOf(const SourceFile& s, at::Field<std::uint64_t> field)
 {
-    const auto position = s.header.get<std::uint64_t>(field);
+    const std::uint64_t position = s.header.get(field);
+    const bool waveform = field.offset == at::kWaveformStart.offset;
     Meaning m;
-    if (standardEnd(s.header) < field + 8 || position == 0) return m;
+    if (s.header.standardEnd() < field.offset + sizeof position || position == 0) return m;
+    // Where no record is announced, the position of the first one says nothing.
+    if (!waveform && s.header.get(at::kEvlrCount) == 0) return m;
     m.set = true;
-    if (field == at::kWaveformStart && s.waveformEvlr)
+    if (waveform && s.waveformEvlr)
         m.evlr = s.waveformEvlr;
     else
         m.fromPointsEnd = std::int64_t(position - s.pointDataEnd);
     return m;
 }
 
-void comparePosition(const char* name, std::size_t field, const SourceFile& a, const SourceFile& b, Difference& d)
+void comparePosition(const char* name, at::Field<std::uint64_t> field, const SourceFile& a, const SourceFile& b,
+                     Difference& d)
 {
-    const auto x = a.header.get<std::uint64_t>(field), y = b.header.get<std::uint64_t>(field);
+    const auto x = a.header.get(field), y = b.header.get(field);
     if (!(meaningOf(a, field) == meaningOf(b, field)))
         d.header.push_back({name, kRecordNumbers, x, y});
     else if (x != y)
@@ -327,7 +273,7 @@ void compareSources(const SourceFile& a, const SourceFile& b, Difference& d)
     compareFields(a.header, b.header, d);
     compareContainers(a, b, d);
     compareRecords(a, b, d);
-    const auto user = [](const Header& h) { return std::span(h.bytes).subspan(standardEnd(h)); };
+    const auto user = [](const Header& h) { return std::span(h.bytes).subspan(h.standardEnd()); };
     compareBytes("user bytes of the header", user(a.header), user(b.header), d);
     compareBytes("bytes before the points", a.gapBeforePoints, b.gapBeforePoints, d);
     compareBytes("bytes after the points", a.gapAfterPoints, b.gapAfterPoints, d);

@@ -3,9 +3,9 @@
 
 #include "core/Error.h"
 #include "core/las/Crs.h"
+#include "core/las/GeoKeys.h"
 
 #include <algorithm>
-#include <chrono>
 
 namespace punctum::las
 {
@@ -19,19 +19,7 @@ void copyText(std::array<char, N>& field, std::string_view text)
     std::copy_n(text.data(), std::min(N, text.size()), field.data());
 }
 
-void putText(Header& header, std::size_t offset, std::string_view text)
-{
-    std::memcpy(header.bytes.data() + offset, text.data(), text.size());
-}
-
 }  // namespace
-
-std::uint16_t standardHeaderSize(std::uint8_t versionMinor) noexcept
-{
-    if (versionMinor <= 2) return 227;
-    if (versionMinor == 3) return 235;
-    return versionMinor == 4 ? 375 : 393;
-}
 
 std::string Vlr::user() const
 {
@@ -48,11 +36,6 @@ Vlr makeVlr(std::string_view user, std::uint16_t id, std::string_view descriptio
     vlr.data = std::move(data);
     vlr.extended = extended;
     return vlr;
-}
-
-std::string Header::version() const
-{
-    return std::to_string(versionMajor()) + "." + std::to_string(versionMinor());
 }
 
 std::vector<PointRange> readable(PointIndex points, const std::vector<PointRange>& missing)
@@ -102,8 +85,8 @@ std::shared_ptr<SourceFile> makeSource(std::uint8_t format, std::span<const Extr
     if (!wkt.empty()) {
         std::vector<std::byte> text(wkt.size() + 1);  // with the NUL that the standard asks for
         std::memcpy(text.data(), wkt.data(), wkt.size());
-        source->vlrs.push_back(makeVlr("LASF_Projection", 2112, "OGC coordinate system WKT", std::move(text),
-                                       wkt.size() + 1 > UINT16_MAX));
+        source->vlrs.push_back(
+            makeVlr(geo::kUser, geo::kWktId, geo::kWktDescription, std::move(text), wkt.size() + 1 > UINT16_MAX));
         if (source->vlrs.back().extended) {
             source->evlrs.push_back(std::move(source->vlrs.back()));
             source->vlrs.pop_back();
@@ -115,31 +98,26 @@ std::shared_ptr<SourceFile> makeSource(std::uint8_t format, std::span<const Extr
 
     Header& h = source->header;
     h.bytes.resize(standardHeaderSize(4));
-    putText(h, 0, "LASF");
-    h.set<std::uint8_t>(24, 1);
-    h.set<std::uint8_t>(at::kVersionMinor, 4);
-    // GPS time in "adjusted standard" form, and WKT, which the formats 6-10 ask for
-    h.set<std::uint16_t>(at::kGlobalEncoding,
-                         std::uint16_t(1 | (wkt.empty() && !isExtendedFormat(format) ? 0 : 16)));
-    putText(h, at::kSystemId, "OTHER");
-    putText(h, at::kSoftware, "Punctum");
-    const auto today = std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now());
-    const auto year = std::chrono::year_month_day(today).year();
-    const auto newYear = std::chrono::sys_days(year / std::chrono::January / 1);
-    h.set<std::uint16_t>(at::kCreationDay, std::uint16_t((today - newYear).count() + 1));
-    h.set<std::uint16_t>(at::kCreationYear, std::uint16_t(int(year)));
-    h.set<std::uint16_t>(at::kHeaderSize, std::uint16_t(h.bytes.size()));
+    h.setText(at::kSignature, "LASF");
+    h.set(at::kVersionMajor, 1);
+    h.set(at::kVersionMinor, 4);
+    const bool wktSaid = !wkt.empty() || isExtendedFormat(format);  // the formats 6-10 ask for WKT
+    h.set(at::kGlobalEncoding, std::uint16_t(encoding::kAdjustedGpsTime | (wktSaid ? encoding::kWkt : 0)));
+    h.setText(at::kSystemId, "OTHER");
+    h.setText(at::kSoftware, "Punctum");
+    h.setCreation();
+    h.set(at::kHeaderSize, std::uint16_t(h.bytes.size()));
     std::uint64_t offset = h.bytes.size();
     for (const Vlr& vlr : source->vlrs) offset += vlr.bytesInFile();
-    h.set<std::uint32_t>(at::kPointOffset, std::uint32_t(offset));
-    h.set<std::uint32_t>(at::kVlrCount, std::uint32_t(source->vlrs.size()));
-    h.set<std::uint32_t>(at::kEvlrCount, std::uint32_t(source->evlrs.size()));
-    h.set<std::uint8_t>(at::kPointFormat, format);
-    h.set<std::uint16_t>(at::kRecordLength, std::uint16_t(length));
-    h.set<std::uint64_t>(at::kPointCount, points);
+    h.set(at::kPointOffset, std::uint32_t(offset));
+    h.set(at::kVlrCount, std::uint32_t(source->vlrs.size()));
+    h.set(at::kEvlrCount, std::uint32_t(source->evlrs.size()));
+    h.set(at::kPointFormat, format);
+    h.set(at::kRecordLength, std::uint16_t(length));
+    h.set(at::kPointCount, points);
     for (std::size_t k = 0; k < 3; ++k) {
-        h.set<double>(at::kScale + 8 * k, coordinates.scale[int(k)]);
-        h.set<double>(at::kOffset + 8 * k, coordinates.offset[int(k)]);
+        h.set(at::kScale[k], coordinates.scale[int(k)]);
+        h.set(at::kOffset[k], coordinates.offset[int(k)]);
     }
 
     source->pointCount = points;

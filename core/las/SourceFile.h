@@ -6,12 +6,11 @@
 #include "core/cloud/PointCloud.h"
 #include "core/las/ExtraBytes.h"
 #include "core/las/File.h"
+#include "core/las/Header.h"
 #include "core/las/PointFormat.h"
 
 #include <array>
-#include <bit>
 #include <cstddef>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -24,21 +23,6 @@
 
 namespace punctum::las
 {
-
-static_assert(std::endian::native == std::endian::little, "LAS is little-endian, and so is this code");
-
-/// Offsets of the public header's fields (LAS 1.4 R15, table 3).
-namespace at
-{
-constexpr std::size_t kFileSourceId = 4, kGlobalEncoding = 6, kVersionMinor = 25, kSystemId = 26, kSoftware = 58,
-                      kCreationDay = 90, kCreationYear = 92, kHeaderSize = 94, kPointOffset = 96, kVlrCount = 100,
-                      kPointFormat = 104, kRecordLength = 105, kLegacyCount = 107, kLegacyByReturn = 111,
-                      kScale = 131, kOffset = 155, kBounds = 179, kWaveformStart = 227, kEvlrStart = 235,
-                      kEvlrCount = 243, kPointCount = 247, kByReturn = 255, kTimeOffset = 391;
-}
-
-/// Size of the standard header of version 1.minor; user bytes may follow it.
-std::uint16_t standardHeaderSize(std::uint8_t versionMinor) noexcept;
 
 /// A variable length record, plain (54-byte header) or extended (60), kept byte for byte.
 struct Vlr {
@@ -60,39 +44,6 @@ struct Vlr {
 /// A record of our own; user and description are cut to 16 and 32 bytes.
 Vlr makeVlr(std::string_view user, std::uint16_t id, std::string_view description, std::vector<std::byte> data,
             bool extended = false);
-
-/// The public header block (LAS 1.4 R15, table 3): the file's own bytes, with typed access to fields.
-/// Bytes beyond the standard's end (user bytes) are kept at the end of `bytes`.
-struct Header {
-    std::vector<std::byte> bytes;
-
-    template <typename T>
-    T get(std::size_t offset) const  ///< little-endian field; 0 when the header is too short
-    {
-        T value{};
-        if (offset <= bytes.size() && sizeof(T) <= bytes.size() - offset)
-            std::memcpy(&value, bytes.data() + offset, sizeof(T));
-        return value;
-    }
-    template <typename T>
-    void set(std::size_t offset, T value)  ///< nothing when the header is too short
-    {
-        if (offset <= bytes.size() && sizeof(T) <= bytes.size() - offset)
-            std::memcpy(bytes.data() + offset, &value, sizeof(T));
-    }
-
-    std::uint8_t versionMajor() const { return get<std::uint8_t>(24); }
-    std::uint8_t versionMinor() const { return get<std::uint8_t>(25); }
-    std::uint16_t globalEncoding() const { return get<std::uint16_t>(6); }
-    std::uint16_t headerSize() const { return get<std::uint16_t>(94); }
-    std::uint32_t pointOffset() const { return get<std::uint32_t>(96); }
-    std::uint8_t pointFormat() const { return get<std::uint8_t>(104) & 0x3F; }
-    bool compressed() const { return (get<std::uint8_t>(104) & 0xC0) != 0; }
-    std::uint16_t recordLength() const { return get<std::uint16_t>(105); }
-    /// Whether fields of 1.4 are there: by the version, and by the header's real size.
-    bool extendedCounts() const { return versionMinor() >= 4 && bytes.size() >= 375; }
-    std::string version() const;  ///< "1.4"
-};
 
 /// A value that any thread may take a copy of, or replace.
 template <typename T>

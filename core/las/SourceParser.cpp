@@ -29,7 +29,6 @@ constexpr std::size_t kSampleChunks = 1024;  ///< LAZ: chunks whose first point 
 constexpr double kLargestCoordinate = 1e18;  ///< beyond it no unit makes sense
 constexpr double kHeaderBoxAtMost = 20;      ///< times the sampled extent, else the header's box is not believed
 constexpr std::size_t kSamplesToJudge = 32;  ///< fewer samples say little on the extent
-constexpr std::uint16_t kInternalWaveform = 2;
 
 std::string text(std::uint64_t n)
 {
@@ -95,7 +94,7 @@ private:
         h.bytes.resize(size);
         m_file.readAt(0, h.bytes);
 
-        const auto formatByte = h.get<std::uint8_t>(at::kPointFormat);
+        const auto formatByte = h.get(at::kPointFormat);
         const std::uint8_t format = h.pointFormat();
         if ((formatByte & 0xC0) == 0xC0 || format > kLastPointFormat)
             refuse("Point format " + text(formatByte & 0x7F) + " is not supported.");
@@ -135,7 +134,7 @@ private:
 
     void readVlrs()
     {
-        const auto announced = m_s.header.get<std::uint32_t>(at::kVlrCount);
+        const auto announced = m_s.header.get(at::kVlrCount);
         const std::uint64_t end = m_s.header.pointOffset();
         std::uint64_t offset = m_s.header.bytes.size();
         for (std::uint32_t k = 0; k < announced; ++k) {
@@ -156,8 +155,8 @@ private:
     {
         const char* axes[] = {"X", "Y", "Z"};
         for (std::size_t k = 0; k < 3; ++k) {
-            const auto scale = m_s.header.get<double>(at::kScale + 8 * k);
-            const auto offset = m_s.header.get<double>(at::kOffset + 8 * k);
+            const auto scale = m_s.header.get(at::kScale[k]);
+            const auto offset = m_s.header.get(at::kOffset[k]);
             const double largest = std::fabs(offset) + std::fabs(scale) * 2147483648.0;
             if (scale != 0.0 && largest < kLargestCoordinate) {  // false for NaN as well
                 m_s.coordinates.scale[int(k)] = scale;
@@ -176,9 +175,9 @@ private:
     std::vector<std::uint64_t> statedCounts() const
     {
         const Header& h = m_s.header;
-        const std::uint64_t legacy = h.get<std::uint32_t>(at::kLegacyCount);
+        const std::uint64_t legacy = h.get(at::kLegacyCount);
         if (!h.extendedCounts()) return {legacy};
-        const auto count = h.get<std::uint64_t>(at::kPointCount);
+        const auto count = h.get(at::kPointCount);
         if (legacy == 0 || legacy == count) return {count};
         if (count == 0) return {legacy, 0};
         return {count, legacy};
@@ -190,11 +189,11 @@ private:
         const Header& h = m_s.header;
         count = 0;
         if (h.extendedCounts()) {
-            count = h.get<std::uint32_t>(at::kEvlrCount);
-            return count != 0 ? h.get<std::uint64_t>(at::kEvlrStart) : 0;
+            count = h.get(at::kEvlrCount);
+            return count != 0 ? h.get(at::kEvlrStart) : 0;
         }
-        const auto waveform = h.get<std::uint64_t>(at::kWaveformStart);
-        if (h.versionMinor() < 3 || waveform == 0 || (h.globalEncoding() & kInternalWaveform) == 0) return 0;
+        const auto waveform = h.get(at::kWaveformStart);
+        if (h.versionMinor() < 3 || waveform == 0 || !h.says(encoding::kInternalWaveform)) return 0;
         count = 1;
         return waveform;
     }
@@ -303,7 +302,7 @@ private:
 
     void readEvlrs(std::uint64_t offset, std::uint32_t count)
     {
-        const auto waveform = m_s.header.get<std::uint64_t>(at::kWaveformStart);
+        const auto waveform = m_s.header.get(at::kWaveformStart);
         for (std::uint32_t k = 0; k < count; ++k) {
             Vlr vlr;
             if (!readRecord(offset, m_file.size(), true, vlr)) {
@@ -326,15 +325,14 @@ private:
         m_s.layout.attributes[2].unit = crs.verticalUnit;
         if (crs.unreadable)
             warn("The record on the coordinate system cannot be understood; the system is unknown.");
-        const std::uint16_t encoding = m_s.header.globalEncoding();
-        if (isExtendedFormat(m_s.layout.format) && (encoding & 16) == 0)
+        if (isExtendedFormat(m_s.layout.format) && !m_s.header.says(encoding::kWkt))
             warn("Point format " + text(m_s.layout.format) +
                  " asks for a coordinate system in WKT, but the file does not announce one.");
         if (m_s.layout.compatible)
             warn("The file holds LAS 1.4 (point format " + text(m_s.layout.shownFormat()) +
                  ") in the form of LAS " + m_s.header.version() + " (point format " + text(m_s.layout.format) +
                  ", LASzip's compatibility mode); saving keeps that form.");
-        if (hasWaveform(m_s.layout.format) && (encoding & kExternalWaveform) != 0) describeWaveform();
+        if (hasWaveform(m_s.layout.format) && m_s.header.says(encoding::kExternalWaveform)) describeWaveform();
     }
 
     void describeWaveform()
@@ -382,9 +380,9 @@ private:
     WorldBounds headerBounds() const
     {
         WorldBounds b;
-        for (std::size_t k = 0; k < 3; ++k) {  // max before min
-            b.max[int(k)] = m_s.header.get<double>(at::kBounds + 16 * k);
-            b.min[int(k)] = m_s.header.get<double>(at::kBounds + 16 * k + 8);
+        for (std::size_t k = 0; k < 3; ++k) {
+            b.max[int(k)] = m_s.header.get(at::kMax[k]);
+            b.min[int(k)] = m_s.header.get(at::kMin[k]);
         }
         return b;
     }

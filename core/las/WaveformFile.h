@@ -17,9 +17,6 @@ namespace punctum::las
 
 class AtomicFile;
 
-/// Bit of the header's global encoding: the waveform packets are in a file beside it (LAS 1.4 R15, table 4).
-constexpr std::uint16_t kExternalWaveform = 4;
-
 /// The waveform packets beside a LAS or LAZ file: the same name, ending in .wdp or .WDP.
 std::optional<std::filesystem::path> findWaveforms(const std::filesystem::path& file);
 

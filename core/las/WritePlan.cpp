@@ -13,7 +13,6 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace punctum::las
@@ -22,7 +21,6 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::uint16_t kWktBit = 16, kWaveformBit = 2;
 constexpr const char* kLaxLeftOut = "The LAX spatial index is left out: it belongs to the old compressed file.";
 constexpr std::size_t kSpecialCountAt = 16, kSpecialStartAt = 24;  ///< in the laszip record
 
@@ -445,10 +443,10 @@ private:
     {
         const std::uint8_t before = m_header.versionMinor();
         if (before == m_minor) return;
-        if (before == 5 && m_header.get<std::int16_t>(at::kTimeOffset) != 0)
+        if (before == 5 && m_header.get(at::kTimeOffset) != 0)
             refuse("The GPS time offset of LAS 1.5 cannot be kept in LAS 1." + text(m_minor) + ".");
         std::vector<std::byte>& b = m_header.bytes;
-        const std::size_t standard = std::min<std::size_t>(standardHeaderSize(before), b.size());
+        const std::size_t standard = m_header.standardEnd();
         const std::vector<std::byte> user(b.begin() + std::ptrdiff_t(standard), b.end());
         b.resize(standard);
         b.resize(standardHeaderSize(m_minor));
@@ -456,7 +454,7 @@ private:
         if (b.size() > UINT16_MAX) refuse("The header has too many user bytes for LAS 1." + text(m_minor) + ".");
         m_header.set(at::kHeaderSize, std::uint16_t(b.size()));
         m_header.set(at::kVersionMinor, m_minor);
-        if (before < 2) m_header.set<std::uint16_t>(at::kGlobalEncoding, 0);  // was a reserved field
+        if (before < 2) m_header.set(at::kGlobalEncoding, 0);  // was a reserved field
     }
 
     /// GeoTIFF keys into the WKT that formats 6-10 ask for, in their place. False when there are none, or when they
@@ -484,7 +482,7 @@ private:
         std::memcpy(data.data(), wkt.data(), wkt.size());
         const auto isKeys = [](const Vlr& v) { return v.is(geo::kUser, geo::kKeysId); };
         const auto place = std::find_if(m_vlrs.begin(), m_vlrs.end(), isKeys);
-        m_vlrs.insert(place, makeVlr(geo::kUser, 2112, "OGC coordinate system WKT", std::move(data)));
+        m_vlrs.insert(place, makeVlr(geo::kUser, geo::kWktId, geo::kWktDescription, std::move(data)));
         dropRecords([](const Vlr& v) {
             return v.is(geo::kUser, geo::kKeysId) || v.is(geo::kUser, geo::kDoublesId) ||
                    v.is(geo::kUser, geo::kAsciiId);
@@ -495,19 +493,17 @@ private:
 
     void setEncoding()
     {
-        auto encoding = m_header.globalEncoding();
-        const auto hasRecord = [&](std::uint16_t id) {
-            const auto is = [&](const Vlr& v) { return v.is("LASF_Projection", id); };
-            return std::any_of(m_vlrs.begin(), m_vlrs.end(), is) ||
-                   std::any_of(m_plan.evlrs.begin(), m_plan.evlrs.end(), is);
-        };
+        std::uint16_t bits = m_header.globalEncoding();
+        const auto isWkt = [](const Vlr& v) { return v.is(geo::kUser, geo::kWktId); };
+        const bool hasWkt = std::any_of(m_vlrs.begin(), m_vlrs.end(), isWkt) ||
+                            std::any_of(m_plan.evlrs.begin(), m_plan.evlrs.end(), isWkt);
         const bool becomesExtended = isExtendedFormat(m_format) && !isExtendedFormat(m_source->layout.format);
-        if (becomesExtended && (hasRecord(2112) || translateCrs())) encoding |= kWktBit;
-        if (m_minor < 4 && m_source->header.versionMinor() >= 4 && (encoding & kWktBit) != 0) {
-            encoding &= std::uint16_t(~kWktBit);
+        if (becomesExtended && (hasWkt || translateCrs())) bits |= encoding::kWkt;
+        if (m_minor < 4 && m_source->header.versionMinor() >= 4 && (bits & encoding::kWkt) != 0) {
+            bits &= std::uint16_t(~encoding::kWkt);
             note("LAS 1." + text(m_minor) + " cannot announce the coordinate system in WKT; its record is kept.");
         }
-        m_header.set(at::kGlobalEncoding, encoding);
+        m_header.set(at::kGlobalEncoding, bits);
     }
 
     Summary summarize() const
@@ -534,10 +530,10 @@ private:
     bool headerCountIs(std::uint64_t points) const
     {
         const Header& h = m_source->header;
-        const auto legacy = h.get<std::uint32_t>(at::kLegacyCount);
+        const auto legacy = h.get(at::kLegacyCount);
         if (!h.extendedCounts()) return legacy == points;
         // a legacy count of 0 says nothing there
-        return h.get<std::uint64_t>(at::kPointCount) == points || (legacy == points && legacy != 0);
+        return h.get(at::kPointCount) == points || (legacy == points && legacy != 0);
     }
 
     void setFigures()
@@ -570,10 +566,10 @@ private:
         const bool legacy = !isExtendedFormat(m_format) && m_points <= UINT32_MAX;
         m_header.set(at::kLegacyCount, legacy ? std::uint32_t(m_points) : 0u);
         for (std::size_t k = 0; k < 5; ++k)
-            m_header.set(at::kLegacyByReturn + 4 * k, legacy ? std::uint32_t(now.byReturn[k + 1]) : 0u);
+            m_header.set(at::kLegacyByReturn[k], legacy ? std::uint32_t(now.byReturn[k + 1]) : 0u);
         if (!m_header.extendedCounts()) return;
         m_header.set(at::kPointCount, std::uint64_t(m_points));
-        for (std::size_t k = 0; k < 15; ++k) m_header.set(at::kByReturn + 8 * k, now.byReturn[k + 1]);
+        for (std::size_t k = 0; k < 15; ++k) m_header.set(at::kByReturn[k], now.byReturn[k + 1]);
     }
 
     void setBounds(const RawBounds& raw)
@@ -582,29 +578,24 @@ private:
             raw.empty() ? WorldBounds{glm::dvec3(0), glm::dvec3(0)} : m_source->coordinates.toWorld(raw);
         for (std::size_t k = 0; k < 3; ++k) {
             // The header's own scale may be unusable; then its box means nothing, and stays.
-            if (m_header.get<double>(at::kScale + 8 * k) != m_source->coordinates.scale[int(k)]) continue;
-            m_header.set(at::kBounds + 16 * k, b.max[int(k)]);
-            m_header.set(at::kBounds + 16 * k + 8, b.min[int(k)]);
+            if (m_header.get(at::kScale[k]) != m_source->coordinates.scale[int(k)]) continue;
+            m_header.set(at::kMax[k], b.max[int(k)]);
+            m_header.set(at::kMin[k], b.min[int(k)]);
         }
     }
 
     void setSignature()
     {
-        std::array<char, 32> software{"Punctum"};
-        m_header.set(at::kSoftware, software);
-        const auto today = std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now());
-        const auto year = std::chrono::year_month_day(today).year();
-        const auto newYear = std::chrono::sys_days(year / std::chrono::January / 1);
-        m_header.set(at::kCreationDay, std::uint16_t((today - newYear).count() + 1));
-        m_header.set(at::kCreationYear, std::uint16_t(int(year)));
+        m_header.setText(at::kSoftware, "Punctum");
+        m_header.setCreation();
     }
 
     /// LAS 1.3 has nothing but the header's position for its one extended record: where that is not there, a
     /// position kept would make the new file a damaged one as well.
     void forgetLostWaveforms()
     {
-        if (m_minor != 3 || !m_source->recovered || m_plan.waveformEvlr ||
-            m_header.get<std::uint64_t>(at::kWaveformStart) == 0 || (m_header.globalEncoding() & kWaveformBit) == 0)
+        if (m_minor != 3 || !m_source->recovered || m_plan.waveformEvlr || m_header.get(at::kWaveformStart) == 0 ||
+            !m_header.says(encoding::kInternalWaveform))
             return;
         m_header.set(at::kWaveformStart, std::uint64_t(0));
         note("The waveforms, which could not be read, are left out.");
@@ -618,7 +609,7 @@ private:
         setFigures();
         if (m_restructured) setSignature();
         // A count that announces more records than there are stays as wrong as it was, if it can.
-        const std::uint64_t announced = m_header.get<std::uint32_t>(at::kVlrCount);
+        const std::uint64_t announced = m_header.get(at::kVlrCount);
         if (m_vlrs.size() != vlrsBefore) {
             const std::uint64_t now = announced + m_vlrs.size() - vlrsBefore;
             m_header.set(at::kVlrCount, std::uint32_t(now <= UINT32_MAX ? now : m_vlrs.size()));
@@ -700,19 +691,16 @@ void WritePlan::eraseEvlr(std::size_t k)
 
 void WritePlan::setPointDataEnd(std::uint64_t end)
 {
-    Header h;
-    h.bytes.assign(prefix.begin(),
-                   prefix.begin() + std::ptrdiff_t(std::size_t(std::to_integer<unsigned>(prefix[94]) |
-                                                               std::to_integer<unsigned>(prefix[95]) << 8)));
+    Header h = Header::of(prefix);
     const std::uint64_t evlrStart = end + gapAfterPoints.size();
     if (h.extendedCounts()) {
-        const bool some = !evlrs.empty() || h.get<std::uint32_t>(at::kEvlrCount) != 0;
+        const bool some = !evlrs.empty() || h.get(at::kEvlrCount) != 0;
         if (some) {
             h.set(at::kEvlrStart, evlrs.empty() ? std::uint64_t(0) : evlrStart);
             h.set(at::kEvlrCount, std::uint32_t(evlrs.size()));
         }
     }
-    if (const auto before = h.get<std::uint64_t>(at::kWaveformStart); h.versionMinor() >= 3 && before != 0) {
+    if (const auto before = h.get(at::kWaveformStart); h.versionMinor() >= 3 && before != 0) {
         std::uint64_t now = before;
         if (waveformEvlr) {
             now = evlrStart;

@@ -172,8 +172,8 @@ std::unique_ptr<AtomicFile> writeWaveforms(const SourceFile* source, const Recor
                                            const AtomicFile& file, std::vector<std::string>& notes,
                                            Progress& progress)
 {
-    const bool external = source != nullptr && hasWaveform(maker.layout().format) &&
-                          (source->header.globalEncoding() & kExternalWaveform) != 0;
+    const bool external =
+        source != nullptr && hasWaveform(maker.layout().format) && source->header.says(encoding::kExternalWaveform);
     const std::filesystem::path from = external ? source->current->get().path : std::filesystem::path();
     return from.empty() ? nullptr : copyWaveforms(from, file, notes, progress);
 }

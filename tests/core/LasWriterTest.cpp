@@ -464,8 +464,8 @@ void LasWriterTest::copcBecomesOrdinary()
     for (const auto* list : {&source->vlrs, &source->evlrs})
         for (const las::Vlr& v : *list) QVERIFY(v.user() != "copc");
     QVERIFY(recordsByUs(temp("lion.laz")) == recordsByUs(path));
-    QCOMPARE(source->header.get<std::uint32_t>(243), 0u);
-    QCOMPARE(source->header.get<std::uint64_t>(235), std::uint64_t(0));
+    QCOMPARE(source->header.get(las::at::kEvlrCount), 0u);
+    QCOMPARE(source->header.get(las::at::kEvlrStart), std::uint64_t(0));
 }
 
 void LasWriterTest::damagedPointsAreLeftOut()
