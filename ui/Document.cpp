@@ -75,6 +75,12 @@ const AttributeFigures* Document::figures(const QString& name) const
     return found == m_figures.end() ? nullptr : &found->second;
 }
 
+const DistinctValues* Document::values(const QString& name) const
+{
+    const auto found = m_values.find(name);
+    return found == m_values.end() ? nullptr : &found->second;
+}
+
 void Document::setLoaded(const las::ReadResult& result)
 {
     m_state = State::Ready;
@@ -110,9 +116,17 @@ void Document::takeBounds(int axis, const AttributeStatistics& figures)
     if (before.min != m_bounds.min || before.max != m_bounds.max) emit stateChanged();
 }
 
+void Document::setValues(const QString& name, DistinctValues values)
+{
+    m_values[name] = std::move(values);
+}
+
 void Document::forgetFigures(const QStringList& names)
 {
-    for (const QString& name : names) m_figures.erase(name);
+    for (const QString& name : names) {
+        m_figures.erase(name);
+        m_values.erase(name);
+    }
 }
 
 void Document::setDeleted(std::shared_ptr<const PointSet> points, PointIndex count)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/cloud/DistinctValues.h"
 #include "core/cloud/PointCloud.h"
 #include "core/las/Reader.h"
 
@@ -94,6 +95,9 @@ public:
     PointIndex deletedPoints() const noexcept { return m_deletedPoints; }
     /// Null while not known.
     const AttributeFigures* figures(const QString& name) const;
+    /// The different values of an attribute that has a color for each, without deleted points; null while not
+    /// known.
+    const DistinctValues* values(const QString& name) const;
     /// Points of each class, without deleted ones; nothing while not known, or where the cloud has no classes.
     const std::optional<std::array<std::uint64_t, 256>>& classCounts() const noexcept { return m_classCounts; }
 
@@ -115,6 +119,7 @@ public:
     void setLoaded(const las::ReadResult& result);
     void setAttributes(std::vector<Attribute> attributes);
     void setFigures(const QString& name, const AttributeFigures& figures);
+    void setValues(const QString& name, DistinctValues values);
     void forgetFigures(const QStringList& names);
     void setDeleted(std::shared_ptr<const PointSet> points, PointIndex count);
     void setClassCounts(const std::array<std::uint64_t, 256>& counts);
@@ -145,6 +150,7 @@ private:
     std::shared_ptr<const PointSet> m_deleted;
     PointIndex m_deletedPoints = 0;
     std::map<QString, AttributeFigures> m_figures;
+    std::map<QString, DistinctValues> m_values;
     std::optional<std::array<std::uint64_t, 256>> m_classCounts;
     QString m_unsavedChanges;
     std::optional<LastSave> m_lastSave;

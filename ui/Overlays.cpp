@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "ui/Overlays.h"
 
-#include "ui/Text.h"
 #include "ui/style/Icons.h"
 #include "ui/style/Theme.h"
 
@@ -12,39 +11,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace punctum::ui
 {
-
-namespace
-{
-
-// The plates lie on pictures, not on the window: dark in every appearance.
-const QColor kPlate(12, 14, 16, 200);
-const QColor kPlateText(236, 238, 241);
-const QColor kPlateDim(165, 172, 180);
-const QColor kPlateAccent(0x58, 0xa6, 0xff);
-
-constexpr int kMargin = 12;
-constexpr int kRadius = 8;
-constexpr int kLegendWidth = 232;
-constexpr int kMaxBar = 150;
-
-}  // namespace
 
 OverlayPanel::OverlayPanel(QWidget* parent) : QWidget(parent)
 {
     setAttribute(Qt::WA_TransparentForMouseEvents);
     hide();
-}
-
-void OverlayPanel::paintPlate(QPainter& painter) const
-{
-    painter.setRenderHint(QPainter::Antialiasing);
-    painter.setPen(Qt::NoPen);
-    painter.setBrush(kPlate);
-    painter.drawRoundedRect(QRectF(rect()), kRadius, kRadius);
 }
 
 // -- title
@@ -70,147 +44,87 @@ QSize TitleOverlay::sizeHint() const
 {
     const QFontMetrics bold(scaledFont(font(), 1.05, true));
     const QFontMetrics plain(font());
-    const int width = std::max(bold.horizontalAdvance(m_title), plain.horizontalAdvance(m_detail)) + 2 * kMargin;
+    const int width =
+        std::max(bold.horizontalAdvance(m_title), plain.horizontalAdvance(m_detail)) + 2 * kMarkMargin;
     return {std::max(width, 170), bold.height() + plain.height() + 4 + 2 * 9};
 }
 
 void TitleOverlay::paintEvent(QPaintEvent*)
 {
     QPainter painter(this);
-    paintPlate(painter);
+    paintPlate(painter, rect());
     const QFont bold = scaledFont(font(), 1.05, true);
     const int titleHeight = QFontMetrics(bold).height();
     painter.setFont(bold);
-    painter.setPen(kPlateText);
-    painter.drawText(QRect(kMargin, 9, width() - 2 * kMargin, titleHeight), Qt::AlignLeft | Qt::AlignVCenter,
-                     m_title);
+    painter.setPen(kMarkText);
+    painter.drawText(QRect(kMarkMargin, 9, width() - 2 * kMarkMargin, titleHeight),
+                     Qt::AlignLeft | Qt::AlignVCenter, m_title);
     painter.setFont(font());
-    painter.setPen(kPlateDim);
-    painter.drawText(QRect(kMargin, 9 + titleHeight + 4, width() - 2 * kMargin, QFontMetrics(font()).height()),
-                     Qt::AlignLeft | Qt::AlignVCenter, m_detail);
+    painter.setPen(kMarkDim);
+    painter.drawText(
+        QRect(kMarkMargin, 9 + titleHeight + 4, width() - 2 * kMarkMargin, QFontMetrics(font()).height()),
+        Qt::AlignLeft | Qt::AlignVCenter, m_detail);
     if (m_progress < 0.0) return;
-    const QRectF line(kRadius, height() - 3.0, width() - 2.0 * kRadius, 2.0);
+    const QRectF line(kMarkRadius, height() - 3.0, width() - 2.0 * kMarkRadius, 2.0);
     painter.setPen(Qt::NoPen);
     painter.setBrush(QColor(255, 255, 255, 36));
     painter.drawRect(line);
-    painter.setBrush(kPlateAccent);
+    painter.setBrush(kMarkAccent);
     painter.drawRect(
         QRectF(line.topLeft(), QSizeF(line.width() * std::clamp(m_progress, 0.0, 1.0), line.height())));
 }
 
 // -- legend
 
-void LegendOverlay::setContent(const Content& content)
+void LegendOverlay::setContent(const Legend& content)
 {
-    if (content == m_content && isVisible() != content.title.isEmpty()) return;
+    if (content == m_content && isVisible() != content.empty()) return;
     m_content = content;
-    setVisible(!content.title.isEmpty());
+    setVisible(!content.empty());
     resize(sizeHint());
     update();
 }
 
+void LegendOverlay::setRoom(QSize room)
+{
+    m_room = room;
+    resize(sizeHint());
+}
+
 QSize LegendOverlay::sizeHint() const
 {
-    const int line = QFontMetrics(font()).height();
-    return {kLegendWidth, m_content.bar ? 10 + line + 7 + 10 + 5 + line + 9 : 10 + line + 3 + line + 10};
+    const QSizeF size = legendSize(m_content, markStyle(), m_room);
+    return {int(std::ceil(size.width())), int(std::ceil(size.height()))};
 }
 
 void LegendOverlay::paintEvent(QPaintEvent*)
 {
     QPainter painter(this);
-    paintPlate(painter);
-    const int line = QFontMetrics(font()).height();
-    const QRect title(kMargin, 10, width() - 2 * kMargin, line);
-    painter.setFont(scaledFont(font(), 1.0, true));
-    painter.setPen(kPlateText);
-    painter.drawText(title, Qt::AlignLeft | Qt::AlignVCenter,
-                     QFontMetrics(painter.font()).elidedText(m_content.title, Qt::ElideRight, title.width() - 30));
-    painter.setFont(font());
-    painter.setPen(kPlateDim);
-    painter.drawText(title, Qt::AlignRight | Qt::AlignVCenter, m_content.unit);
-    if (!m_content.bar) {
-        painter.drawText(QRect(kMargin, 10 + line + 3, title.width(), line), Qt::AlignLeft | Qt::AlignVCenter,
-                         m_content.remark);
-        return;
-    }
-    const QRect bar(kMargin, 10 + line + 7, width() - 2 * kMargin, 10);
-    QImage colors(256, 1, QImage::Format_RGB32);
-    for (int i = 0; i < 256; ++i) {
-        const render::Rgba8 c = m_content.table[std::size_t(i)];
-        colors.setPixel(i, 0, qRgb(c.r, c.g, c.b));
-    }
-    QPainterPath round;
-    round.addRoundedRect(QRectF(bar), 3, 3);
-    painter.save();
-    painter.setClipPath(round);
-    painter.setRenderHint(QPainter::SmoothPixmapTransform);
-    painter.drawImage(bar, colors);
-    painter.restore();
-    const QRect numbers(kMargin, bar.bottom() + 6, bar.width(), line);
-    painter.setPen(kPlateText);
-    painter.drawText(numbers, Qt::AlignLeft | Qt::AlignVCenter, m_content.low);
-    painter.drawText(numbers, Qt::AlignRight | Qt::AlignVCenter, m_content.high);
+    paintLegend(painter, {}, m_content, markStyle(), m_room);
 }
 
 // -- compass and scale bar
 
-double roundLength(double limit)
-{
-    if (!(limit > 0.0) || !std::isfinite(limit)) return 0.0;
-    const double power = std::pow(10.0, std::floor(std::log10(limit)));
-    for (const double step : {5.0, 2.0, 1.0})
-        if (step * power <= limit * (1.0 + 1e-12)) return step * power;
-    return power;
-}
-
 void CompassOverlay::setCamera(const render::Camera& camera, double pictureHeightPx, double pixelRatio,
                                const QString& unit)
 {
-    const double perPixel = camera.unitsPerPixel(pictureHeightPx) * pixelRatio;
-    const double length = roundLength(perPixel * kMaxBar);
-    const int barLength = perPixel > 0.0 ? int(std::lround(length / perPixel)) : 0;
-    QString text = numberText(length);
-    if (unit == QLatin1String("m") && length >= 1000.0)
-        text = numberText(length / 1000.0) + QStringLiteral(" km");
-    else if (unit == QLatin1String("m") && length < 0.995)
-        text = length < 0.00995 ? numberText(length * 1000.0) + QStringLiteral(" mm")
-                                : numberText(length * 100.0) + QStringLiteral(" cm");
-    else if (!unit.isEmpty())
-        text += QLatin1Char(' ') + unit;
-    if (camera.yaw == m_yaw && barLength == m_barLength && text == m_barText) return;
-    m_yaw = camera.yaw;
-    m_barLength = barLength;
-    m_barText = text;
+    const ScaleBar bar = scaleBarOf(camera, pictureHeightPx, pixelRatio, unit);
+    if (bar == m_bar) return;
+    m_bar = bar;
     resize(sizeHint());
     update();
+}
+
+QSize CompassOverlay::sizeHint() const
+{
+    const QSizeF size = scaleBarSize(m_bar, markStyle());
+    return {int(std::ceil(size.width())), int(std::ceil(size.height()))};
 }
 
 void CompassOverlay::paintEvent(QPaintEvent*)
 {
     QPainter painter(this);
-    paintPlate(painter);
-    painter.save();
-    painter.translate(24, height() / 2.0);
-    painter.rotate(m_yaw * 180.0 / std::numbers::pi);  // the view turns left: north turns right on the screen
-    QPainterPath north, south;
-    north.addPolygon(QPolygonF{{QPointF(0, -15), QPointF(4.6, 0), QPointF(-4.6, 0)}});
-    south.addPolygon(QPolygonF{{QPointF(0, 15), QPointF(4.6, 0), QPointF(-4.6, 0)}});
-    painter.setPen(Qt::NoPen);
-    painter.setBrush(QColor(0xf0, 0x6a, 0x5d));
-    painter.drawPath(north);
-    painter.setBrush(QColor(210, 214, 219));
-    painter.drawPath(south);
-    painter.restore();
-
-    const int left = 54;
-    const int base = height() - 13;
-    painter.setRenderHint(QPainter::Antialiasing, false);
-    painter.setPen(QPen(kPlateText, 1));
-    painter.drawLine(left, base, left + m_barLength, base);
-    painter.drawLine(left, base - 4, left, base);
-    painter.drawLine(left + m_barLength, base - 4, left + m_barLength, base);
-    painter.setPen(kPlateText);
-    painter.drawText(QRect(left, 5, width() - left, base - 8), Qt::AlignLeft | Qt::AlignVCenter, m_barText);
+    paintScaleBar(painter, {}, m_bar, markStyle());
 }
 
 // -- nothing open
@@ -263,7 +177,7 @@ void DropHint::paintEvent(QPaintEvent*)
     QPainter painter(this);
     painter.setRenderHint(QPainter::Antialiasing);
     painter.fillRect(rect(), QColor(20, 60, 110, 70));
-    painter.setPen(QPen(kPlateAccent, 2));
+    painter.setPen(QPen(kMarkAccent, 2));
     painter.setBrush(Qt::NoBrush);
     painter.drawRoundedRect(QRectF(rect()).adjusted(6, 6, -6, -6), 10, 10);
 
@@ -272,11 +186,11 @@ void DropHint::paintEvent(QPaintEvent*)
     const QRect plate(QPoint((width() - size.width()) / 2, (height() - size.height()) / 2), size);
     painter.setPen(Qt::NoPen);
     painter.setBrush(QColor(16, 18, 21, 230));
-    painter.drawRoundedRect(QRectF(plate), kRadius, kRadius);
-    lineIcon(QStringLiteral("drop"), kPlateAccent)
+    painter.drawRoundedRect(QRectF(plate), kMarkRadius, kMarkRadius);
+    lineIcon(QStringLiteral("drop"), kMarkAccent)
         .paint(&painter, QRect(plate.left() + 18, plate.center().y() - 11, 22, 22));
     painter.setFont(bold);
-    painter.setPen(kPlateText);
+    painter.setPen(kMarkText);
     painter.drawText(plate.adjusted(52, 0, -18, 0), Qt::AlignLeft | Qt::AlignVCenter, m_text);
 }
 

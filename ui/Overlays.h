@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "render/camera/Camera.h"
-#include "render/color/ColorMap.h"
+#include "ui/marks/Legend.h"
+#include "ui/marks/ScaleBar.h"
 
 #include <QString>
-#include <QStringList>
 #include <QWidget>
-
-#include <algorithm>
 
 namespace punctum::ui
 {
 
 /// What lies over the picture: small panels that let the mouse through. GUI thread only.
 
-/// Base of them: a rounded, translucent, dark plate, readable on any picture.
+/// Base of them.
 class OverlayPanel : public QWidget
 {
     Q_OBJECT
@@ -23,7 +20,7 @@ public:
     explicit OverlayPanel(QWidget* parent);
 
 protected:
-    void paintPlate(QPainter& painter) const;
+    MarkStyle markStyle() const { return {font()}; }
 };
 
 /// File name, number of points, and a slim line of progress while points arrive.
@@ -45,29 +42,24 @@ private:
     double m_progress = -1.0;
 };
 
-/// The color bar: attribute, unit, lowest and highest value. Without a bar for colors that explain themselves.
+/// What the colors mean.
 class LegendOverlay final : public OverlayPanel
 {
     Q_OBJECT
 public:
-    struct Content {
-        QString title, unit;
-        bool bar = false;
-        render::ColorTable table{};
-        QString low, high;
-        QString remark;  ///< instead of a bar: "one color for each value"
-        friend bool operator==(const Content&, const Content&) = default;
-    };
     using OverlayPanel::OverlayPanel;
-    void setContent(const Content& content);
-    const Content& content() const noexcept { return m_content; }
+    void setContent(const Legend& content);
+    const Legend& content() const noexcept { return m_content; }
+    /// What the view has for it, in logical px.
+    void setRoom(QSize room);
     QSize sizeHint() const override;
 
 protected:
     void paintEvent(QPaintEvent* event) override;
 
 private:
-    Content m_content;
+    Legend m_content;
+    QSize m_room{232, 400};
 };
 
 /// North arrow and scale bar for the present camera.
@@ -78,15 +70,14 @@ public:
     using OverlayPanel::OverlayPanel;
     /// `unit`: of what the camera sees, "" when unknown. `pixelRatio`: px of the picture for each of the widget.
     void setCamera(const render::Camera& camera, double pictureHeightPx, double pixelRatio, const QString& unit);
-    QSize sizeHint() const override { return {std::max(96, 54 + m_barLength + 16), 44}; }
+    const ScaleBar& content() const noexcept { return m_bar; }
+    QSize sizeHint() const override;
 
 protected:
     void paintEvent(QPaintEvent* event) override;
 
 private:
-    double m_yaw = 0.0;
-    int m_barLength = 0;
-    QString m_barText;
+    ScaleBar m_bar;
 };
 
 /// Shown while nothing is open.
@@ -115,8 +106,5 @@ protected:
 private:
     QString m_text;
 };
-
-/// 1, 2 or 5 times a power of ten: the longest round length that is not above `limit`. 0 for limits <= 0.
-double roundLength(double limit);
 
 }  // namespace punctum::ui

@@ -8,6 +8,7 @@
 #include "ui/Text.h"
 #include "ui/ViewSettings.h"
 #include "ui/ViewSurface.h"
+#include "ui/marks/LegendOf.h"
 
 #include <QDragEnterEvent>
 #include <QDropEvent>
@@ -386,6 +387,8 @@ void Viewport::setDocument(Document* document, int documents)
     if (document) {
         connect(document, &Document::stateChanged, this, &Viewport::updateTitle);
         connect(document, &Document::attributesChanged, this, &Viewport::updateLegend);
+        connect(document, &Document::figuresChanged, this, &Viewport::updateLegend);
+        connect(document, &Document::classCountsChanged, this, &Viewport::updateLegend);
     }
     m_empty->setVisible(documents == 0 && !m_flat);
     m_compass->setVisible(documents > 0 && !m_flat);
@@ -414,36 +417,11 @@ void Viewport::updateTitle()
 
 void Viewport::updateLegend()
 {
-    LegendOverlay::Content content;
-    const Attribute* attribute = m_document && m_frame ? m_document->findAttribute(m_frame->attribute) : nullptr;
-    if (attribute && attribute->kind != AttributeKind::Class && !m_flat) {
-        content.title = m_frame->attribute;
-        content.unit = toQString(attribute->unit);
-        switch (attribute->kind) {
-            case AttributeKind::Scalar:
-                content.bar = true;
-                content.table =
-                    render::chosenColorMap(m_settings.display().colorMap, m_frame->attribute.toStdString()).table;
-                content.low = numberText(m_frame->range.first);
-                content.high = numberText(m_frame->range.second);
-                break;
-            case AttributeKind::Category:
-                content.remark = tr("one color for each value");
-                break;
-            case AttributeKind::Vector:
-                content.remark = m_settings.display().normals == render::NormalLook::Lit ? tr("lit from the eye")
-                                                                                         : tr("direction as color");
-                break;
-            case AttributeKind::Color:
-                content.remark = tr("colors of the file");
-                break;
-            case AttributeKind::Class:
-            case AttributeKind::Opaque:
-                break;
-        }
-    }
+    Legend legend;
+    if (m_document && m_frame && !m_flat)
+        legend = legendOf(*m_document, m_frame->attribute, m_frame->range, m_settings.display());
     const QSize before = m_legend->size();
-    m_legend->setContent(content);
+    m_legend->setContent(legend);
     if (m_legend->size() != before) placeOverlays();
 }
 
@@ -456,6 +434,9 @@ void Viewport::placeOverlays()
     m_title->move(kEdge, kEdge);
     m_compass->resize(m_compass->sizeHint());
     m_compass->move(kEdge, height() - m_compass->height() - kEdge);
+    // Below the title, in what the view's width leaves.
+    const int top = m_title->isVisible() ? m_title->geometry().bottom() + kEdge : kEdge;
+    m_legend->setRoom({width() - 2 * kEdge, height() - top - 2 * kEdge - m_compass->height()});
     // Beside the compass where there is room, else above it.
     const int legendLeft = width() - m_legend->width() - kEdge;
     const int legendBottom = legendLeft > m_compass->geometry().right() ? height() : m_compass->y();

@@ -27,6 +27,9 @@ namespace punctum::ui
 namespace
 {
 
+/// More values than that have no place in a legend.
+constexpr std::size_t kListedValues = 64;
+
 QString fileNameOf(const QString& path)
 {
     return QFileInfo(path).fileName();
@@ -302,6 +305,16 @@ void Workspace::analyze(Document& document, const QStringList& names)
                         counts = countValues(attribute, progress, cloud->deleted().get());
                     }
                     deliver([counts](Document& d) { d.setClassCounts(counts); });
+                }
+                if (attribute.kind == AttributeKind::Category && attribute.integral()) {
+                    DistinctValues values;
+                    {
+                        const std::shared_lock lock(cloud->mutex());
+                        values = distinctValues(attribute, kListedValues, progress, cloud->deleted().get());
+                    }
+                    deliver([name = toQString(attribute.name), values = std::move(values)](Document& d) {
+                        d.setValues(name, values);
+                    });
                 }
                 AttributeFigures figures;
                 for (std::uint32_t c = 0; c < attribute.components; ++c) {

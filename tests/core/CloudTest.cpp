@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Attributes as views on raw columns, statistics, point sets, bounds and notices: exact, whatever the type.
 #include "core/Error.h"
+#include "core/cloud/DistinctValues.h"
 #include "core/cloud/PointCloud.h"
+#include "core/cloud/PointSet.h"
 #include "core/task/Progress.h"
 #include "tests/core/MadeCloud.h"
 
@@ -63,6 +65,7 @@ private slots:
     void statisticsOfNothing();
     void statisticsCancel();
     void valuesAreCounted();
+    void distinctValuesAreListed();
     void textTellsNumbersApart();
     void pointSets();
     void boundsComeFromThePoints();
@@ -319,6 +322,41 @@ void CloudTest::valuesAreCounted()
     counts = countValues(theAttribute(holding<std::uint16_t>({0, 254, 255, 256, 65535})), progress);
     QCOMPARE(counts[255], std::uint64_t(3));
     QCOMPARE(counts[254], std::uint64_t(1));
+}
+
+void CloudTest::distinctValuesAreListed()
+{
+    Progress progress;
+    const auto cloud = holding<std::int16_t>({7, -3, 7, 7, 300, -3});
+    DistinctValues found = distinctValues(theAttribute(cloud), 3, progress);
+    QVERIFY(!found.tooMany);
+    QCOMPARE(found.values.size(), std::size_t(3));
+    const std::pair<std::int64_t, std::uint64_t> expected[] = {{-3, 2}, {7, 3}, {300, 1}};
+    for (std::size_t k = 0; k < 3; ++k) {
+        QVERIFY(std::get<std::int64_t>(found.values[k].value) == expected[k].first);
+        QCOMPARE(found.values[k].points, expected[k].second);
+        std::uint32_t bits = 0;
+        const std::uint32_t index = k == 0 ? 1 : k == 1 ? 0 : 4;
+        theAttribute(cloud).gatherBits(std::span(&index, 1), &bits);
+        QCOMPARE(found.values[k].bits, bits);
+    }
+    found = distinctValues(theAttribute(cloud), 2, progress);
+    QVERIFY(found.tooMany && found.values.empty());
+    PointSet without(6);
+    without.insert(4);
+    found = distinctValues(theAttribute(cloud), 2, progress, &without);
+    QVERIFY(!found.tooMany);
+    QCOMPARE(found.values.size(), std::size_t(2));
+
+    // Many points, in all threads; what is left out is not counted.
+    std::vector<std::uint32_t> many(1'000'000);
+    for (std::size_t i = 0; i < many.size(); ++i) many[i] = 4'000'000'000u + std::uint32_t(i * 7 % 5);
+    const auto large = holding(many);
+    found = distinctValues(theAttribute(large), 5, progress);
+    QCOMPARE(found.values.size(), std::size_t(5));
+    for (const DistinctValue& v : found.values) QCOMPARE(v.points, std::uint64_t(200'000));
+    progress.cancel();
+    QVERIFY_EXCEPTION_THROWN(distinctValues(theAttribute(large), 5, progress), Cancelled);
 }
 
 void CloudTest::textTellsNumbersApart()

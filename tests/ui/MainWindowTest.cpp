@@ -167,6 +167,38 @@ private slots:
         QCOMPARE(view.legend().content().title, QStringLiteral("Z"));
     }
 
+    /// The legend names the classes that are shown, and the values that have a color of their own.
+    void legendTellsClassesAndValues()
+    {
+        TestWindow test;
+        const QString path = test.folder.filePath(QStringLiteral("sample.las"));
+        writeSample(path, 20'000);
+        Document* const document = test.open(path);
+        QVERIFY(document);
+        const Viewport& view = test.window->viewport();
+        test.window->showAttribute(QStringLiteral("Classification"));
+        QVERIFY(test.settle(QStringLiteral("Classification")));
+        const auto names = [&] {
+            QStringList list;
+            for (const Legend::Entry& entry : view.legend().content().entries) list << entry.name;
+            return list;
+        };
+        QVERIFY(waitFor([&] { return names().contains(QStringLiteral("2 Ground")); }));
+        QCOMPARE(names().size(), test.window->classesDock().model().rowCount());
+        test.window->viewSettings().setClassVisible(2, false);
+        QVERIFY(!names().contains(QStringLiteral("2 Ground")));
+        QVERIFY(!names().isEmpty());
+
+        test.window->showAttribute(QStringLiteral("ReturnNumber"));
+        QVERIFY(test.settle(QStringLiteral("ReturnNumber")));
+        QVERIFY(waitFor([&] { return document->figures(QStringLiteral("ReturnNumber")) != nullptr; }));
+        QVERIFY(names().size() > 1);
+        for (int k = 0; k < names().size(); ++k) QCOMPARE(names()[k], QString::number(k + 1));
+        QVERIFY(view.legend().isVisible());
+        // In a narrow view it keeps clear of the edges.
+        QVERIFY(view.rect().contains(view.legend().geometry()));
+    }
+
     void navigatesByMouse()
     {
         NEED_DATA(kAutzen);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The parts of ui that need no window: navigation, texts, icons.
 #include "ui/Navigation.h"
-#include "ui/Overlays.h"
 #include "ui/Text.h"
+#include "ui/marks/ScaleBar.h"
 #include "ui/style/Icons.h"
 
 #include <QDir>
