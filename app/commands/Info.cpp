@@ -5,14 +5,12 @@
 #include "core/Error.h"
 #include "core/Text.h"
 #include "core/cloud/PointCloud.h"
+#include "core/cloud/ValueText.h"
 #include "core/las/Reader.h"
 #include "core/las/SourceFile.h"
 #include "core/task/Progress.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <cstdio>
 #include <memory>
 #include <sstream>
 
@@ -81,8 +79,9 @@ Json jsonOf(const glm::dvec3& v)
     return Json::array({v.x, v.y, v.z});
 }
 
-Json jsonOf(const Value& value)
+Json jsonOf(const Attribute& attribute, const Value& value)
 {
+    if (const auto* const number = std::get_if<double>(&value)) return writtenValue(attribute, *number);
     return std::visit([](auto v) { return Json(v); }, value);
 }
 
@@ -114,8 +113,8 @@ Json jsonOf(const FileInfo& info)
                               {"type", nameOf(attribute.type())},
                               {"components", listedComponents(attribute)},
                               {"standard", attribute.standard},
-                              {"min", figureOf(figures, [](const auto& s) { return jsonOf(s.min); })},
-                              {"max", figureOf(figures, [](const auto& s) { return jsonOf(s.max); })},
+                              {"min", figureOf(figures, [&](const auto& s) { return jsonOf(attribute, s.min); })},
+                              {"max", figureOf(figures, [&](const auto& s) { return jsonOf(attribute, s.max); })},
                               {"mean", figureOf(figures, [](const auto& s) { return Json(s.mean); })}});
     }
     const bool empty = info.bounds.empty();
@@ -140,33 +139,13 @@ Json jsonOf(const FileInfo& info)
 
 // -- text
 
-/// Decimals that a coordinate of this scale has.
-int decimalsOf(double scale)
+/// A mean has some digits more than the values.
+std::string meanText(const Attribute& attribute, double mean)
 {
-    return scale > 0 && scale < 1 ? std::min(12, int(std::ceil(-std::log10(scale) - 1e-9))) : 0;
-}
-
-std::string fixed(double value, int decimals)
-{
-    char text[400];
-    std::snprintf(text, sizeof text, "%.*f", decimals, value);
-    return text;
-}
-
-/// A value in full; a scaled one with the decimals that its steps have.
-std::string exact(const Attribute& attribute, const Value& value)
-{
-    if (attribute.scaled) return fixed(toDouble(value), decimalsOf(attribute.scale));
-    if (attribute.type() != ScalarType::F32) return toText(value);
-    char text[32];  // the digits that tell floats apart, not those of the double around one
-    return {text, std::to_chars(text, text + sizeof text, float(toDouble(value))).ptr};
-}
-
-std::string means(double mean)
-{
-    char text[40];
-    std::snprintf(text, sizeof text, "%.10g", mean);
-    return text;
+    constexpr int kMore = 3;
+    constexpr int kOfNumbers = 9;
+    const int decimals = decimalsOf(attribute);
+    return roundedText(mean, decimals < 0 ? kOfNumbers : decimals + kMore);
 }
 
 template <typename F>
@@ -229,12 +208,12 @@ std::string textOf(const FileInfo& info)
     out << "\n  Coordinates\n";
     std::vector<std::vector<std::string>> axes{{"", "min", "max", "extent", "scale", "offset"}};
     for (int axis = 0; axis < 3; ++axis) {
-        const int decimals = decimalsOf(coordinates.scale[axis]);
         const double low = info.bounds.min[axis];
         const double high = info.bounds.max[axis];
         const bool empty = info.bounds.empty();
-        axes.push_back({std::string(1, "XYZ"[axis]), empty ? "-" : fixed(low, decimals),
-                        empty ? "-" : fixed(high, decimals), empty ? "-" : fixed(high - low, decimals),
+        axes.push_back({std::string(1, "XYZ"[axis]), empty ? "-" : coordinateText(coordinates, axis, low),
+                        empty ? "-" : coordinateText(coordinates, axis, high),
+                        empty ? "-" : differenceText(coordinates, axis, high - low),
                         toText(coordinates.scale[axis]), toText(coordinates.offset[axis] + 0.0)});
     }
     out << table(axes, {false, true, true, true, true, true});
@@ -248,9 +227,10 @@ std::string textOf(const FileInfo& info)
         rows.push_back(
             {attribute.name,
              std::string(nameOf(attribute.type())) + (components > 1 ? " x " + std::to_string(components) : ""),
-             joined(figures, [&](const auto& s) { return exact(attribute, s.min); }),
-             joined(figures, [&](const auto& s) { return exact(attribute, s.max); }),
-             joined(figures, [](const auto& s) { return means(s.mean); }), attribute.standard ? "" : "extra"});
+             joined(figures, [&](const auto& s) { return valueText(attribute, s.min); }),
+             joined(figures, [&](const auto& s) { return valueText(attribute, s.max); }),
+             joined(figures, [&](const auto& s) { return meanText(attribute, s.mean); }),
+             attribute.standard ? "" : "extra"});
     }
     out << table(rows, {false, false, true, true, true, false});
 

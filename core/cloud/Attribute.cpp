@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "core/cloud/Attribute.h"
 
+#include "core/cloud/DecimalScale.h"
 #include "core/cloud/PointSet.h"
+#include "core/cloud/ValueText.h"
 #include "core/task/Progress.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
-#include <charconv>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 namespace punctum
@@ -68,17 +70,23 @@ bool isNoData(const Attribute& a, T raw)
         *a.noData);
 }
 
+DecimalScale stepsOf(const Attribute& a)
+{
+    return a.scaled ? DecimalScale(a.scale, a.offset) : DecimalScale();
+}
+
+/// `steps`: stepsOf(a).
 template <typename T>
-double numberOf(const Attribute& a, T raw)
+double numberOf(const Attribute& a, const DecimalScale& steps, T raw)
 {
     if (isNoData(a, raw)) return std::numeric_limits<double>::quiet_NaN();
-    return a.scaled ? double(raw) * a.scale + a.offset : double(raw);
+    return a.scaled ? steps(raw) : double(raw);
 }
 
 template <typename T>
 Value valueOf(const Attribute& a, T raw)
 {
-    if (a.scaled) return double(raw) * a.scale + a.offset;
+    if (a.scaled) return stepsOf(a)(raw);
     if constexpr (std::is_floating_point_v<T>)
         return double(raw);
     else if constexpr (std::is_signed_v<T>)
@@ -120,9 +128,8 @@ double toDouble(const Value& value) noexcept
 
 std::string toText(const Value& value)
 {
-    char text[32];
-    const auto end = std::visit([&](auto v) { return std::to_chars(text, text + sizeof text, v).ptr; }, value);
-    return {text, end};
+    if (const auto* const number = std::get_if<double>(&value)) return shortestText(*number);
+    return std::visit([](auto v) { return std::to_string(v); }, value);
 }
 
 Value Attribute::value(PointIndex index, std::uint32_t component) const
@@ -135,7 +142,7 @@ Value Attribute::value(PointIndex index, std::uint32_t component) const
 double Attribute::number(PointIndex index, std::uint32_t component) const
 {
     return visitScalar(columns[component]->type(), [&](auto zero) {
-        return numberOf(*this, RawReader<decltype(zero)>(*this, component)(index));
+        return numberOf(*this, stepsOf(*this), RawReader<decltype(zero)>(*this, component)(index));
     });
 }
 
@@ -150,14 +157,14 @@ void Attribute::read(PointRange range, double* out, std::uint32_t component) con
     visitScalar(columns[component]->type(), [&](auto zero) {
         using T = decltype(zero);
         const RawReader<T> raw(*this, component);
+        const DecimalScale steps = stepsOf(*this);
         if (noData || raw.stride != 1) {
-            for (PointIndex i = range.first; i < range.last; ++i) *out++ = numberOf(*this, raw(i));
+            for (PointIndex i = range.first; i < range.last; ++i) *out++ = numberOf(*this, steps, raw(i));
             return;
         }
         // said apart, so that they become loops over vectors
         const T* const values = raw.data + range.first;
         const auto n = std::size_t(range.size());
-        const double factor = scale, base = offset;
         if constexpr (std::is_integral_v<T>) {
             if (raw.width != 0 && !scaled) {
                 for (std::size_t k = 0; k < n; ++k) out[k] = double(raw.bits(values[k]));
@@ -165,9 +172,9 @@ void Attribute::read(PointRange range, double* out, std::uint32_t component) con
             }
         }
         if (scaled && raw.width != 0)
-            for (std::size_t k = 0; k < n; ++k) out[k] = numberOf(*this, raw(range.first + k));
+            for (std::size_t k = 0; k < n; ++k) out[k] = steps(raw(range.first + k));
         else if (scaled)
-            for (std::size_t k = 0; k < n; ++k) out[k] = double(values[k]) * factor + base;
+            for (std::size_t k = 0; k < n; ++k) out[k] = steps(values[k]);
         else
             for (std::size_t k = 0; k < n; ++k) out[k] = double(values[k]);
     });
@@ -188,7 +195,8 @@ void gatherNumbers(const Attribute& a, const Indices& indices, double bias, floa
 {
     visitScalar(a.columns[component]->type(), [&](auto zero) {
         const RawReader<decltype(zero)> raw(a, component);
-        for (std::size_t k = 0; k < indices.size(); ++k) out[k] = float(numberOf(a, raw(indices[k])) - bias);
+        const DecimalScale steps = stepsOf(a);
+        for (std::size_t k = 0; k < indices.size(); ++k) out[k] = float(numberOf(a, steps, raw(indices[k])) - bias);
     });
 }
 

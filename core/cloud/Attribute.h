@@ -31,14 +31,14 @@ enum class AttributeKind {
 using Value = std::variant<std::int64_t, std::uint64_t, double>;
 
 double toDouble(const Value& value) noexcept;
-/// As text, exact: integers in full, doubles with the digits that tell them apart.
+/// As text, exact: integers in full, doubles with the digits that tell them apart. ValueText.h has the rest.
 std::string toText(const Value& value);
 
 /// A named view on one column (or three): whole values, a bit field of a byte, or scaled integers.
 ///
 /// Value of component c at point i: raw = columns[c][i] (or its bits [bitShift, bitShift+bitWidth)),
-/// value = raw * scale + offset where `scaled`, else raw. Copies share the columns, and keep them alive.
-/// Reading is as thread-safe as the column: hold PointCloud::mutex() shared when edits may run.
+/// value = raw * scale + offset (as DecimalScale has it) where `scaled`, else raw. Copies share the columns, and
+/// keep them alive. Reading is as thread-safe as the column: hold PointCloud::mutex() shared when edits may run.
 struct Attribute {
     std::string name;  ///< the standard's own ("ReturnNumber") or the extra bytes' name; unique in its cloud
     AttributeKind kind = AttributeKind::Scalar;

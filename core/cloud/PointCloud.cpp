@@ -49,8 +49,18 @@ void WorldBounds::include(const WorldBounds& other) noexcept
 WorldBounds CoordinateScale::toWorld(const RawBounds& raw) const noexcept
 {
     if (raw.empty()) return {};
-    const glm::dvec3 a = toWorld(glm::dvec3(raw.min));
-    const glm::dvec3 b = toWorld(glm::dvec3(raw.max));
+    glm::dvec3 a, b;
+    for (int axis = 0; axis < 3; ++axis) {
+        a[axis] = steps(axis)(raw.min[axis]);
+        b[axis] = steps(axis)(raw.max[axis]);
+    }
+    return {glm::min(a, b), glm::max(a, b)};
+}
+
+WorldBounds CoordinateScale::headerBox(const RawBounds& raw) const noexcept
+{
+    if (raw.empty()) return {};
+    const glm::dvec3 a = toWorld(glm::dvec3(raw.min)), b = toWorld(glm::dvec3(raw.max));
     return {glm::min(a, b), glm::max(a, b)};
 }
 
@@ -61,7 +71,10 @@ struct PointCloud::Listeners {
 };
 
 PointCloud::PointCloud(PointIndex size, CoordinateScale coordinates)
-    : m_size(size), m_coordinates(coordinates), m_listeners(std::make_shared<Listeners>())
+    : m_size(size),
+      m_coordinates(coordinates),
+      m_steps{coordinates.steps(0), coordinates.steps(1), coordinates.steps(2)},
+      m_listeners(std::make_shared<Listeners>())
 {
 }
 

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "core/cloud/Attribute.h"
+#include "core/cloud/DecimalScale.h"
 #include "core/cloud/PointSet.h"
 
 #include <glm/vec3.hpp>
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -62,9 +64,15 @@ struct CoordinateScale {
     glm::dvec3 scale{0.001};
     glm::dvec3 offset{0.0};
 
+    /// The decimals of an axis, by which values of points are told exactly.
+    DecimalScale steps(int axis) const noexcept { return {scale[axis], offset[axis]}; }
+    /// For drawing and computing, raw coordinates need not be whole; PointCloud::world() is exact.
     glm::dvec3 toWorld(const glm::dvec3& raw) const noexcept { return raw * scale + offset; }
     glm::dvec3 toRaw(const glm::dvec3& world) const noexcept { return (world - offset) / scale; }
-    WorldBounds toWorld(const RawBounds& raw) const noexcept;
+    WorldBounds toWorld(const RawBounds& raw) const noexcept;  ///< exact
+    /// Of stored coordinates as headers have it: with the last bits of raw * scale + offset as most programs
+    /// compute it, so that for none of them a point is outside.
+    WorldBounds headerBox(const RawBounds& raw) const noexcept;
 };
 
 /// Ends a subscription when destroyed.
@@ -130,7 +138,7 @@ public:
     std::span<const std::int32_t> rawZ() const noexcept { return m_columns[2]->values<std::int32_t>(); }
     glm::dvec3 world(PointIndex i) const noexcept
     {
-        return m_coordinates.toWorld(glm::dvec3(rawX()[i], rawY()[i], rawZ()[i]));
+        return {m_steps[0](rawX()[i]), m_steps[1](rawY()[i]), m_steps[2](rawZ()[i])};
     }
     /// Bounds of the points, in parallel; computed from the data, never from a header.
     RawBounds computeBounds() const;
@@ -159,6 +167,7 @@ private:
 
     PointIndex m_size;
     CoordinateScale m_coordinates;
+    std::array<DecimalScale, 3> m_steps;
     std::vector<std::shared_ptr<Column>> m_columns;
     std::vector<Attribute> m_attributes;
     std::shared_ptr<const PointSet> m_deleted;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/cloud/ClassNames.h"
+#include "core/cloud/DecimalScale.h"
+#include "core/cloud/ValueText.h"
 #include "core/expression/ExpressionError.h"
 #include "core/expression/Functions.h"
 #include "core/expression/Program.h"
@@ -287,6 +289,7 @@ private:
             std::swap(op, other);
         };
         if (a.op == Op::Constant && b.op == Op::Load) mirrored();
+        takeAsTyped(a, b);
         if (const Attribute* const scaled = scaledLoad(a); scaled != nullptr && b.op == Op::Constant) {
             const double raw = unscaled(*scaled, toNumber(b).number);
             a.op = Op::LoadRaw;
@@ -315,6 +318,7 @@ private:
                 fail(low.byte, "the range begins above its end.");
         }
         const auto constant = [](const Node& n) { return n.op == Op::Constant; };
+        for (std::size_t k = 1; k < node.children.size(); ++k) takeAsTyped(node.children[0], node.children[k]);
         const Attribute* const scaled = scaledLoad(node.children[0]);
         if (scaled != nullptr && std::all_of(node.children.begin() + 1, node.children.end(), constant)) {
             node.children[0].op = Op::LoadRaw;
@@ -361,13 +365,13 @@ private:
         return a.scaled && sound && !isFloating(a.type()) ? &a : nullptr;
     }
 
-    /// The stored integer of a value. Bounds are typed in decimals while scale factors are binary fractions: what
-    /// is within a millionth of a step is that step.
-    static double unscaled(const Attribute& a, double v)
+    static double unscaled(const Attribute& a, double v) { return DecimalScale(a.scale, a.offset).raw(v); }
+
+    /// A constant beside values of a float attribute: the float that is written so.
+    void takeAsTyped(const Node& subject, Node& constant) const
     {
-        const double raw = (v - a.offset) / a.scale;
-        const double nearest = std::round(raw);
-        return std::abs(raw - nearest) <= 1e-6 ? nearest : raw;
+        if (subject.op == Op::Load && constant.op == Op::Constant && constant.type == Type::Number)
+            constant.number = typedValue(m_bindings.attributes[subject.attribute], constant.number);
     }
 
     Node call(const Syntax& s)

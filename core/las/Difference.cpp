@@ -4,9 +4,9 @@
 #include "core/las/Header.h"
 
 #include "core/Text.h"
+#include "core/cloud/ValueText.h"
 
 #include <algorithm>
-#include <charconv>
 
 namespace punctum::las
 {
@@ -145,11 +145,7 @@ std::string toText(const ToldValue& value)
         std::string operator()(const std::string& s) const { return s.empty() ? "\"\"" : s; }
         std::string operator()(std::int64_t v) const { return std::to_string(v); }
         std::string operator()(std::uint64_t v) const { return std::to_string(v); }
-        std::string operator()(double v) const
-        {
-            char text[32];
-            return {text, std::to_chars(text, text + sizeof text, v).ptr};
-        }
+        std::string operator()(double v) const { return shortestText(v); }
     };
     return std::visit(Visitor{}, value);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "core/las/RecordComparer.h"
 
+#include "core/cloud/DecimalScale.h"
+#include "core/cloud/ValueText.h"
 #include "core/las/Compatible.h"
 
 #include <algorithm>
@@ -137,12 +139,6 @@ bool inUnits(const Decimal& d, int exponent, Wide& result)
         if (result > kWideLimit || result < -kWideLimit) return false;
     }
     return true;
-}
-
-/// Decimals that steps of this scale have.
-int decimalsOf(double scale)
-{
-    return std::clamp(int(std::ceil(-std::log10(std::fabs(scale)) - 1e-9)), 0, 12);
 }
 
 }  // namespace
@@ -336,12 +332,9 @@ ToldValue RecordComparer::told(const Place& place, const std::byte* record) cons
         return place.bytes > kMost ? hex + "..." : hex;
     }
     if (place.scaled) {
-        const double value = double(realOf(place, record));
-        if (isFloating(place.type)) return value;
-        // The decimals that the scale gives, not those of the binary fraction next to it.
-        char number[400];
-        std::snprintf(number, sizeof number, "%.*f", decimalsOf(place.scale), value);
-        return std::strtod(number, nullptr);
+        const DecimalScale steps(place.scale, place.scaleOffset);
+        return visitScalar(place.type,
+                           [&](auto zero) -> ToldValue { return steps(rawOf<decltype(zero)>(place, record)); });
     }
     if (place.width != 0) return rawOf<std::uint64_t>(place, record);
     return visitScalar(place.type, [&](auto zero) -> ToldValue {
@@ -351,9 +344,7 @@ ToldValue RecordComparer::told(const Place& place, const std::byte* record) cons
             if (!std::isnan(v)) {
                 if constexpr (sizeof(T) == 8) return double(v);
                 // the digits that tell floats apart, not those of the double around one
-                std::to_chars_result end = std::to_chars(text, text + sizeof text - 1, v);
-                *end.ptr = 0;
-                return std::strtod(text, nullptr);
+                return std::strtod(shortestText(v).c_str(), nullptr);
             }
             std::snprintf(text, sizeof text, "NaN (0x%llx)", static_cast<unsigned long long>(load(place, record)));
             return std::string(text);

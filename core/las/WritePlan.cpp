@@ -575,7 +575,7 @@ private:
     void setBounds(const RawBounds& raw)
     {
         const WorldBounds b =
-            raw.empty() ? WorldBounds{glm::dvec3(0), glm::dvec3(0)} : m_source->coordinates.toWorld(raw);
+            raw.empty() ? WorldBounds{glm::dvec3(0), glm::dvec3(0)} : m_source->coordinates.headerBox(raw);
         for (std::size_t k = 0; k < 3; ++k) {
             // The header's own scale may be unusable; then its box means nothing, and stays.
             if (m_header.get(at::kScale[k]) != m_source->coordinates.scale[int(k)]) continue;

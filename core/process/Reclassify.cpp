@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/cloud/Slabs.h"
+#include "core/cloud/ValueText.h"
 #include "core/edit/ClassCommand.h"
 #include "core/process/Values.h"
 #include "core/task/Progress.h"
@@ -229,12 +230,14 @@ std::unique_ptr<Command> ReclassifyStep::run(const PointCloud& cloud, const Step
 {
     const StepValues complete = completeValues(*this, values);
     const Value min = *parseNumber(complete.at("min")), max = *parseNumber(complete.at("max"));
-    const double realMin = toDouble(min), realMax = toDouble(max);
+    double realMin = toDouble(min), realMax = toDouble(max);
     if (realMin > realMax)
         throw Error("reclassify: min is " + complete.at("min") + ", which is above max, " + complete.at("max") +
                     ".");
     const auto code = std::uint32_t(*integerValue(complete, "class"));
     const Attribute attribute = scalarAttribute(cloud, complete.at("attribute"));
+    realMin = typedValue(attribute, realMin);
+    realMax = typedValue(attribute, realMax);
     const Attribute classes = classAttribute(cloud, code);
 
     progress.begin("Reclassifying", cloud.size());

@@ -2,6 +2,7 @@
 #include "core/process/Step.h"
 
 #include "core/Error.h"
+#include "core/cloud/ValueText.h"
 #include "core/expression/Condition.h"
 #include "core/expression/Rule.h"
 #include "core/process/AttributeList.h"
@@ -82,12 +83,6 @@ const StepParameter* findParameter(const std::vector<StepParameter>& parameters,
                 enumerate(parameters, [](const StepParameter& p) { return p.key; }) + ".");
 }
 
-std::string numberText(double number)
-{
-    char text[32];
-    return {text, std::to_chars(text, text + sizeof text, number).ptr};
-}
-
 /// What a value of this parameter has to be: "a whole number from 3 to 1000".
 std::string demand(const StepParameter& p)
 {
@@ -99,7 +94,7 @@ std::string demand(const StepParameter& p)
         return "one of " + enumerate(p.choices, [](const std::string& choice) { return choice; });
     std::string text = p.type == StepParameter::Type::Real ? "a number" : "a whole number";
     if (p.type == StepParameter::Type::ClassCode) return text + " from 0 to 255";
-    if (p.min < p.max) text += " from " + numberText(p.min) + " to " + numberText(p.max);
+    if (p.min < p.max) text += " from " + shortestText(p.min) + " to " + shortestText(p.max);
     return text;
 }
 
