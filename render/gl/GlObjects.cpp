@@ -157,15 +157,17 @@ void GlBuffer::clear(std::uint32_t value)
     glClearBufferData(GL_COPY_WRITE_BUFFER, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &value);
 }
 
-void GlBuffer::write(std::size_t offset, const void* data, std::size_t bytes)
+void GlBuffer::write(std::size_t offset, const void* data, std::size_t bytes, GlTraffic& traffic)
 {
+    traffic.up += bytes;
     assert(offset <= m_size && bytes <= m_size - offset);
     glBindBuffer(GL_COPY_WRITE_BUFFER, id());
     glBufferSubData(GL_COPY_WRITE_BUFFER, GLintptr(offset), GLsizeiptr(bytes), data);
 }
 
-void GlBuffer::read(std::size_t offset, void* data, std::size_t bytes) const
+void GlBuffer::read(std::size_t offset, void* data, std::size_t bytes, GlTraffic& traffic) const
 {
+    traffic.down += bytes;
     assert(offset <= m_size && bytes <= m_size - offset);
     glBindBuffer(GL_COPY_READ_BUFFER, id());
     glGetBufferSubData(GL_COPY_READ_BUFFER, GLintptr(offset), GLsizeiptr(bytes), data);

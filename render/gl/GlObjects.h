@@ -88,6 +88,11 @@ using GlFramebuffer = GlHandle<GlFramebufferKind>;
 using GlVertexArray = GlHandle<GlVertexArrayKind>;
 using GlQuery = GlHandle<GlQueryKind>;
 
+/// Bytes brought to the device and back.
+struct GlTraffic {
+    std::uint64_t up = 0, down = 0;
+};
+
 /// Memory of the device. Sizes and offsets in bytes; one thread, that of the context.
 class GlBuffer
 {
@@ -109,9 +114,9 @@ public:
     void reserve(std::size_t bytes);
     /// Sets each 4 bytes of the whole buffer, whose size must be a multiple of 4.
     void clear(std::uint32_t value = 0);
-    /// [offset, offset + bytes) must lie inside the buffer.
-    void write(std::size_t offset, const void* data, std::size_t bytes);
-    void read(std::size_t offset, void* data, std::size_t bytes) const;
+    /// [offset, offset + bytes) must lie inside the buffer. `traffic` counts.
+    void write(std::size_t offset, const void* data, std::size_t bytes, GlTraffic& traffic);
+    void read(std::size_t offset, void* data, std::size_t bytes, GlTraffic& traffic) const;
 
 private:
     GlHandle<GlBufferKind> m_handle;

@@ -6,7 +6,9 @@
 #include "render/resolve/Image.h"
 #include "render/resolve/ResolveSettings.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -47,6 +49,8 @@ struct DisplaySettings {
     friend bool operator==(const DisplaySettings&, const DisplaySettings&) = default;
     /// Width of the smallest points, px.
     double leastPixels() const noexcept { return sizing == PointSizing::Pixels ? pointSize : 1.0; }
+    /// How far away eye-dome lighting looks for neighbors, px: so far that they are not of the same point.
+    int eyeDomeReach() const noexcept { return std::clamp(int(std::lround(leastPixels())), 1, 64); }
 };
 
 }  // namespace punctum::render

@@ -2,9 +2,8 @@
 #include "render/progressive/ProgressiveRenderer.h"
 
 #include "core/task/Progress.h"
+#include "render/progressive/Entry.h"
 #include "render/raster/LayerLookup.h"
-#include "render/resolve/EyeDome.h"
-#include "render/resolve/HoleFill.h"
 #include "render/store/Spacing.h"
 
 #include <tbb/blocked_range.h>
@@ -12,7 +11,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -38,9 +36,6 @@ constexpr double kStreamSeconds = 0.003;
 /// Of a frame in which nothing but streaming happens, as all that is visible is up to date.
 constexpr double kStreamAlone = 0.020;
 
-/// A frame always draws at least so many slots, whatever its time: it must come on.
-constexpr Slot kLeastRun = 65'536;
-
 /// What a device that keeps time is offered, as a multiple of what the last frames let expect: so that it decides,
 /// and not much more is brought to it than it draws.
 constexpr std::uint64_t kOffer = 4;
@@ -48,32 +43,7 @@ constexpr std::uint64_t kOffer = 4;
 constexpr std::uint64_t kFirstShare = 32;
 constexpr std::uint64_t kMostFirst = 1'000'000;
 
-double now()
-{
-    using namespace std::chrono;
-    return duration<double>(steady_clock::now().time_since_epoch()).count();
-}
-
 }  // namespace
-
-/// One cloud of the view.
-struct ProgressiveRenderer::Entry {
-    std::shared_ptr<PointStore> store;
-    bool loading = true;
-    Slot cursor = 0;                 ///< next slot to draw; goes round
-    Slot drawn = 0;                  ///< slots drawn in this pass, which shows the present view
-    PointIndex filledAtStart = 0;    ///< points the store had when the pass began
-    Slot colored = 0;                ///< slots whose colors were added, see RasterBackend::addColors()
-    PointIndex filledAtRange = 0;    ///< points the store had when the range was last computed
-    double spacing = 0;              ///< pointSpacing() of ...
-    glm::dvec3 spacingStretch{0};    ///< ... this view and ...
-    PointIndex filledAtSpacing = 0;  ///< ... so many points
-
-    bool passDone() const noexcept { return drawn >= store->slotCount() || filledAtStart == 0; }
-    /// Of its slots, drawn in this pass.
-    double share() const noexcept { return double(drawn) / double(store->slotCount()); }
-    bool complete() const noexcept { return passDone() && filledAtStart == store->filled(); }
-};
 
 DisplaySettings::DisplaySettings()
 {
@@ -213,10 +183,11 @@ void ProgressiveRenderer::setSize(int width, int height)
     m_targetChanged = true;
 }
 
-void ProgressiveRenderer::setPart(std::optional<PicturePart> part)
+void ProgressiveRenderer::setPart(std::optional<PicturePart> part, float eyeDomeExtent)
 {
-    if (part == m_part) return;
+    if (part == m_part && eyeDomeExtent == m_partExtent) return;
     m_part = part;
+    m_partExtent = eyeDomeExtent;
     m_viewChanged = true;
 }
 
@@ -445,6 +416,8 @@ void ProgressiveRenderer::countTimed()
     const RasterBackend::Timed timed = m_backend->timed();
     m_cost.observe(timed.drawn, timed.seconds);
     m_fillDone = m_clockStarted + timed.done;
+    m_passes.reproject = timed.before;
+    m_passes.fill = timed.seconds;
     std::uint64_t left = timed.drawn;
     for (const RasterBackend::Run& run : m_timedRuns) {
         Entry& entry = *m_entries[run.layer];
@@ -515,53 +488,11 @@ ResolveSettings ProgressiveRenderer::colorSettings() const
     settings.backgroundTop = m_display.backgroundTop;
     settings.backgroundBottom = m_display.backgroundBottom;
     if (m_part) settings.rows = {m_part->y, m_part->height};
+    if (!m_part || m_partExtent > 0)
+        settings.eyeDome = {float(m_display.eyeDome), !m_camera.orthographic, m_display.eyeDomeReach(),
+                            m_part ? m_partExtent : 0.0f};
+    settings.closeHoles = m_display.fillHoles && partial();
     return settings;
-}
-
-void ProgressiveRenderer::addColors(const ResolveSettings& settings, double deadline)
-{
-    ResolveSettings colors = settings;
-    colors.backgroundTop = colors.backgroundBottom = {};
-    if (m_colors != colors) {
-        m_backend->clearColors();
-        for (const auto& entry : m_entries) entry->colored = 0;
-        m_colors = std::move(colors);
-    }
-    for (std::size_t k = 0; k < m_entries.size(); ++k) {
-        Entry& entry = *m_entries[k];
-        const Slot slots = entry.store->slotCount();
-        while (entry.colored < slots) {
-            const double started = now();
-            const auto run = std::clamp<std::uint64_t>(m_colorCost.affordable(std::max(0.0, deadline - started)),
-                                                       kLeastRun, slots - entry.colored + kLeastRun);
-            const Slot count = Slot(std::min<std::uint64_t>(run, slots - entry.colored));
-            m_backend->addColors(m_scene, settings, k, {entry.colored, entry.colored + count});
-            m_backend->finish();
-            m_colorCost.observe(count, now() - started);
-            entry.colored += count;
-            m_resolveNeeded = true;
-            if (now() >= deadline) return;
-        }
-    }
-}
-
-void ProgressiveRenderer::resolveImage(const ResolveSettings& settings)
-{
-    double started = now();
-    m_backend->resolve(m_scene, settings, m_image);
-    if (!m_timedRuns.empty()) {
-        countTimed();
-        started = std::max(started, m_fillDone);  // the device was still drawing
-    }
-    const bool eyeDome = m_display.eyeDome > 0 && !m_part, fillHoles = m_display.fillHoles && partial();
-    if (fillHoles || eyeDome) m_backend->depths(m_depths);
-    if (fillHoles) render::fillHoles(m_depths, m_image);
-    if (eyeDome) {
-        shadeEyeDome(m_depths, !m_camera.orthographic, float(m_display.eyeDome), m_display.leastPixels(), m_image);
-    }
-    m_resolveNeeded = false;
-    const double seconds = now() - started;
-    m_resolveSeconds = m_resolveSeconds == 0 ? seconds : 0.7 * m_resolveSeconds + 0.3 * seconds;
 }
 
 bool ProgressiveRenderer::ready() const noexcept
@@ -608,6 +539,8 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
     }
     m_filled = 0;
     m_timedRuns.clear();
+    m_passes = {};
+    const RasterBackend::Traffic before = m_backend->traffic();
     m_clockStarted = now();
     if (m_backend->keepsTime()) m_backend->startClock();
     const bool viewChanged = m_targetChanged || m_layersChanged || m_viewChanged;
@@ -623,14 +556,20 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
         }
         m_targetChanged = m_layersChanged = m_viewChanged = false;
         beginPass();
+        // Where the device keeps the time it is told apart there.
+        if (m_pointsAFrame > 0 || !m_backend->keepsTime()) m_backend->finish();
+        m_passes.reproject = now() - m_clockStarted;
     }
     const bool streaming = m_streaming = anyStale();
     const double deadline = started + budget - m_resolveSeconds;
     // While an attribute streams, filling and streaming share what is left of the frame.
+    const double fillStarted = now();
     fill(streaming ? now() + (deadline - now()) / 2 : deadline);
+    m_passes.fill = now() - fillStarted;
     const bool filling = m_filled > 0 || !m_timedRuns.empty();
     if (filling) m_visibleOutdated = m_resolveNeeded = true;
     const bool refreshed = m_visibleOutdated;
+    const double streamStarted = now();
     refreshVisible();
     if (streaming) {
         // A still picture in its new colors is shown first.
@@ -640,6 +579,7 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
         else if (!refreshed)
             streamAttributes(started + kStreamAlone);
     }
+    m_passes.stream = now() - streamStarted;
     if (m_rangeNeeded) {
         updateRange();
         m_resolveNeeded = true;
@@ -659,6 +599,10 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
     }
     report.share = slots == 0 ? 1.0 : double(drawn) / double(slots);
     report.converged = ready();
+    report.passes = m_passes;
+    const RasterBackend::Traffic after = m_backend->traffic();
+    report.bytesUp = after.up - before.up;
+    report.bytesDown = after.down - before.down;
     report.seconds = now() - started;
     return report;
 }

@@ -23,6 +23,15 @@ struct FrameReport {
     PointIndex filled = 0;   ///< slots drawn in the fill pass
     double share = 0;        ///< of all slots drawn with the present camera, 0 to 1
     bool converged = false;  ///< image equals the brute-force image and nothing streams
+    /// Seconds of its parts. Where the device keeps the time, of reprojecting and filling by its clock.
+    struct Passes {
+        double reproject = 0;  ///< what was visible, drawn anew
+        double fill = 0;       ///< further slots
+        double resolve = 0;    ///< colors, light, holes; the picture brought over, where it is
+        double stream = 0;     ///< words of another attribute, or after a change
+    } passes;
+    std::uint64_t bytesUp = 0;    ///< brought to the device ...
+    std::uint64_t bytesDown = 0;  ///< ... and back; 0 where the processor draws
 };
 
 /// What is under the cursor.
@@ -72,9 +81,9 @@ public:
 
     // -- view
     void setSize(int width, int height);
-    /// Draws a part, of setSize(), of a larger picture; none: all of it. Nothing of the picture as a whole is in it
-    /// then but the background: no eye-dome lighting.
-    void setPart(std::optional<PicturePart> part);
+    /// Draws a part, of setSize(), of a larger picture; none: all of it. A part knows of the picture as a whole
+    /// what it is told: `eyeDomeExtent` (EyeDomeSettings::extent), without which it has no eye-dome lighting.
+    void setPart(std::optional<PicturePart> part, float eyeDomeExtent = 0.0f);
     void setCamera(const Camera& camera);
     const Camera& camera() const noexcept { return m_camera; }
     void setDisplay(const DisplaySettings& display);
@@ -93,7 +102,16 @@ public:
     FrameReport renderFrame(double budget);
     /// All points in one pass, no progression: the reference image.
     FrameReport renderBruteForce();
-    const Image& image() const noexcept { return m_image; }
+    /// The picture. Brings it over where it is on the device.
+    const Image& image();
+    /// Pictures stay on the device, where the backend has one, until image() or copyPicture() asks for them. Off at
+    /// first.
+    void keepOnDevice(bool keep) noexcept { m_keepOnDevice = keep; }
+    /// Whether the last picture is on the device alone.
+    bool onDevice() const noexcept { return !m_imageThere; }
+    /// Copies it to an RGBA8 texture of the picture's size, row 0 at the top, and waits for that; false where it is
+    /// not on the device.
+    bool copyPicture(unsigned texture);
     /// Of each pixel, as RasterBackend::depths().
     void depths(std::vector<float>& out) { m_backend->depths(out); }
     bool converged() const noexcept;
@@ -132,7 +150,7 @@ private:
     ResolveSettings colorSettings() const;
     /// Once all points are drawn: goes on adding colors, from the start when they have become others.
     void addColors(const ResolveSettings& settings, double deadline);
-    void resolveImage(const ResolveSettings& settings);
+    void resolveImage(ResolveSettings settings);
 
     std::unique_ptr<RasterBackend> m_backend;
     std::vector<std::unique_ptr<Entry>> m_entries;
@@ -141,13 +159,16 @@ private:
     DisplaySettings m_display;
     TargetSize m_size;
     std::optional<PicturePart> m_part;
+    float m_partExtent = 0;
     std::pair<double, double> m_range{0.0, 1.0};
     Image m_image;
-    FrameCostModel m_cost;       ///< of drawing
-    FrameCostModel m_colorCost;  ///< of addColors()
-    ResolveSettings m_colors;    ///< that colors were added with
+    bool m_imageThere = true;  ///< else it is on the device alone
+    bool m_keepOnDevice = false;
+    FrameReport::Passes m_passes;  ///< of this frame
+    FrameCostModel m_cost;         ///< of drawing
+    FrameCostModel m_colorCost;    ///< of addColors()
+    ResolveSettings m_colors;      ///< that colors were added with
     std::vector<PointId> m_visible;
-    std::vector<float> m_depths;
     PointIndex m_pointsAFrame = 0;
     PointIndex m_filled = 0;                      ///< slots drawn in this frame
     std::vector<RasterBackend::Run> m_timedRuns;  ///< that the backend draws as many of as it has time for

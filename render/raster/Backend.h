@@ -177,6 +177,7 @@ public:
     virtual void drawTimed(const FrameScene&, std::span<const Run>, double /*seconds*/) {}
     struct Timed {
         std::uint64_t drawn = 0;  ///< slots, of all runs
+        double before = 0;        ///< seconds from startClock() to its beginning
         double seconds = 0;       ///< that took on the device ...
         double done = 0;          ///< ... and from startClock() to its end
     };
@@ -190,8 +191,23 @@ public:
     virtual void addColors(const FrameScene& scene, const ResolveSettings& settings, std::size_t layer,
                            SlotRange slots) = 0;
 
-    /// Makes the picture: colors from each layer's store words, samples averaged. scene.layers as drawn.
+    /// Makes the picture: colors from each layer's store words, samples lit and averaged, holes closed.
+    /// scene.layers as drawn.
     virtual void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) = 0;
+    /// Whether there is a device that the picture can stay on; only then the three below do something.
+    virtual bool keepsPicture() const noexcept { return false; }
+    /// resolve() without bringing the picture over. Waits for nothing.
+    virtual void resolveOnDevice(const FrameScene&, const ResolveSettings&) {}
+    /// Brings the picture over that resolve() or resolveOnDevice() made last.
+    virtual void readPicture(Image&) {}
+    /// Copies it to a texture (OpenGL's name) of its size, RGBA8, row 0 at the top of the picture.
+    virtual void copyPicture(unsigned /*texture*/) {}
+
+    /// Bytes brought to the device and back since the backend was made.
+    struct Traffic {
+        std::uint64_t up = 0, down = 0;
+    };
+    virtual Traffic traffic() const noexcept { return {}; }
 
     /// Depth of each pixel's nearest sample, along the view direction in view units (Camera), rows from the top;
     /// infinity where there is no point.

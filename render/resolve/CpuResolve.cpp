@@ -2,6 +2,7 @@
 #include "render/resolve/CpuResolve.h"
 
 #include "render/raster/LayerLookup.h"
+#include "render/resolve/EyeDome.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -54,8 +55,10 @@ void resolveCells(std::span<const std::uint64_t> cells, std::span<const CpuSums:
     out.resize(size.width, size.height);
     const auto samples = std::size_t(size.samples);
     const std::size_t rowCells = std::size_t(size.width) * samples;
+    const EyeDomeShades shades(cells, size, settings.eyeDome);
     tbb::parallel_for(tbb::blocked_range<int>(0, size.height, 8), [&](const tbb::blocked_range<int>& rows) {
-        std::vector<Rgba8> colors(rowCells);
+        std::vector<Rgba8> colors(samples > 1 ? rowCells : 0);
+        std::vector<float> shade;
         for (int y = rows.begin(); y != rows.end(); ++y) {
             const std::uint64_t* const row = cells.data() + std::size_t(y) * rowCells;
             Rgba8* const pixels = &out.pixels[std::size_t(y) * std::size_t(size.width)];
@@ -87,6 +90,11 @@ void resolveCells(std::span<const std::uint64_t> cells, std::span<const CpuSums:
                 const std::size_t layer = lookup.layerOf(id);
                 const Layer& l = scene.layers[layer];
                 target[k] = colorOf(l.store->words()[id - l.firstId], settings.layers[layer], settings);
+            }
+            if (!shades.empty()) {
+                shades.shadesOf(y, shade);
+                for (std::size_t k = 0; k < rowCells; ++k)
+                    if (PointId(row[k]) != kNoPoint) target[k] = dimmed(target[k], shade[k]);
             }
             if (samples > 1)
                 for (std::size_t x = 0; x < std::size_t(size.width); ++x)

@@ -27,6 +27,16 @@ enum class NormalLook {
     Direction,  ///< x, y and z as red, green and blue
 };
 
+/// Eye-dome lighting, see EyeDome.h.
+struct EyeDomeSettings {
+    float strength = 0.0f;    ///< 1 as usual; 0: none
+    bool perspective = true;  ///< of the view
+    int reach = 1;            ///< px that neighbors are looked for at, and twice that
+    float extent = 0.0f;      ///< of levels that makes a sample dark; 0: what the picture has
+    bool on() const noexcept { return strength > 0.0f; }
+    friend bool operator==(const EyeDomeSettings&, const EyeDomeSettings&) = default;
+};
+
 /// All that decides colors; changing it touches no point.
 struct ResolveSettings {
     std::vector<LayerColors> layers;       ///< one for each layer of the scene
@@ -42,6 +52,20 @@ struct ResolveSettings {
         int count = 0;  ///< of the whole background; 0: as many as the picture has
         friend bool operator==(const Rows&, const Rows&) = default;
     } rows;
+    bool means = false;       ///< samples show what RasterBackend::addColors() added up, where it did
+    bool closeHoles = false;  ///< see HoleFill.h
+    EyeDomeSettings eyeDome;
+
+    /// Of these, what the color of a single point depends on.
+    ResolveSettings ofPoints() const
+    {
+        ResolveSettings s = *this;
+        s.backgroundTop = s.backgroundBottom = {};
+        s.rows = {};
+        s.means = s.closeHoles = false;
+        s.eyeDome = {};
+        return s;
+    }
     friend bool operator==(const ResolveSettings&, const ResolveSettings&) = default;
 };
 

@@ -42,6 +42,11 @@ private slots:
     void stylesAgreeWithTheCpuBackend_data();
     void stylesAgreeWithTheCpuBackend();
     void averagesFollowColors();
+    void averagesFollowChanges();
+    void lightAndHolesAreThoseOfTheCpuBackend_data();
+    void lightAndHolesAreThoseOfTheCpuBackend();
+    void picturesStayOnTheDevice_data();
+    void picturesStayOnTheDevice();
     void edgesOfThePictureAreComplete();
     void depthsKeepTheirDigits();
     void convergedEqualsBruteForce_data();

@@ -22,12 +22,13 @@ struct Decided {
 Decided decide(GlBudget& budget, const std::array<std::uint64_t, 3>& times,
                const std::vector<GlBudget::Piece>& pieces, double seconds)
 {
-    budget.clock().write(0, times.data(), sizeof times);
+    GlTraffic traffic;
+    budget.clock().write(0, times.data(), sizeof times, traffic);
     const GlVisibility::Band& band = budget.decide(pieces, 1000, 128, seconds);
     Decided decided;
     decided.commands.resize(pieces.size());
     if (!pieces.empty())
-        band.commands.read(0, decided.commands.data(), pieces.size() * sizeof(GlVisibility::Command));
+        band.commands.read(0, decided.commands.data(), pieces.size() * sizeof(GlVisibility::Command), traffic);
     decided.total = budget.result().drawn - 1000;
     return decided;
 }
@@ -53,7 +54,8 @@ private slots:
 
     void takesWhatFits()
     {
-        GlBudget budget;
+        GlTraffic traffic;
+        GlBudget budget(traffic);
         // a run over the seam of two chunks, and one more
         const std::vector<GlBudget::Piece> pieces{
             {500, 3000, 0, 5000, 100}, {0, 2000, 3000, 5000, 100}, {70, 1000, 0, 1000, 1}};
@@ -97,7 +99,8 @@ private slots:
     void noRunIsPassedOver()
     {
         // What is left of the time would do for the second run, but not for a step of the first.
-        GlBudget budget;
+        GlTraffic traffic;
+        GlBudget budget(traffic);
         const Decided decided =
             decide(budget, {0, 0, 1'000'000}, {{0, 5000, 0, 5000, 2500}, {0, 100, 0, 100, 1}}, 0.00325);
         QCOMPARE(decided.total, std::uint64_t(0));
@@ -105,12 +108,13 @@ private slots:
 
     void theClockRuns()
     {
-        GlBudget budget;
+        GlTraffic traffic;
+        GlBudget budget(traffic);
         for (const auto moment : {GlBudget::Moment::Start, GlBudget::Moment::FirstBegins,
                                   GlBudget::Moment::FirstDone, GlBudget::Moment::Done})
             budget.mark(moment);
         std::uint64_t times[4]{};
-        budget.clock().read(0, times, sizeof times);
+        budget.clock().read(0, times, sizeof times, traffic);
         QVERIFY(times[0] > 0 && times[0] <= times[1] && times[1] <= times[2] && times[2] <= times[3]);
         QVERIFY(times[3] - times[0] < 10'000'000'000);
     }

@@ -163,10 +163,13 @@ void GlObjectsTest::buffersKeepBytes()
     QCOMPARE(buffer.size(), std::size_t(64));
     buffer.clear();
     const std::array<std::uint32_t, 3> in{1, 2, 0xFFFFFFFF};
-    buffer.write(8, in.data(), sizeof in);
+    GlTraffic traffic;
+    buffer.write(8, in.data(), sizeof in, traffic);
     std::array<std::uint32_t, 16> out;
     out.fill(7);
-    buffer.read(0, out.data(), sizeof out);
+    buffer.read(0, out.data(), sizeof out, traffic);
+    QCOMPARE(traffic.up, sizeof in);
+    QCOMPARE(traffic.down, sizeof out);
     QCOMPARE(out, (std::array<std::uint32_t, 16>{0, 0, 1, 2, 0xFFFFFFFF}));
 }
 

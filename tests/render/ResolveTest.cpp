@@ -7,7 +7,9 @@
 
 #include <QtTest>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <set>
 
@@ -29,6 +31,10 @@ private Q_SLOTS:
     void bandsAreEqualSteps();
     void eyeDomeShadesWhatLiesBehind();
     void eyeDomeDoesNotDependOnTheScale();
+    void ownLogarithmsAreRight();
+    void lightIsAsDefined_data();
+    void lightIsAsDefined();
+    void rimsAreNotBright();
     void holesAreFilledFromTheFront();
 };
 
@@ -184,6 +190,31 @@ Image greyImage(int width, int height)
 
 }  // namespace
 
+namespace
+{
+
+std::uint64_t cellOf(float depth, PointId id)
+{
+    return depth == kNothing ? ~0ull : std::uint64_t(std::bit_cast<std::uint32_t>(depth)) << 32 | id;
+}
+
+/// Light on a picture of one sample a pixel.
+void shadeEyeDome(std::span<const float> depths, bool perspective, float strength, int reach, Image& image)
+{
+    std::vector<std::uint64_t> cells;
+    for (const float depth : depths) cells.push_back(cellOf(depth, 0));
+    const EyeDomeShades shades(cells, {image.width, image.height, 1}, {strength, perspective, reach});
+    std::vector<float> row;
+    for (int y = 0; y < image.height && !shades.empty(); ++y) {
+        shades.shadesOf(y, row);
+        for (int x = 0; x < image.width; ++x)
+            if (cells[std::size_t(y * image.width + x)] != ~0ull)
+                image.at(x, y) = dimmed(image.at(x, y), row[std::size_t(x)]);
+    }
+}
+
+}  // namespace
+
 void ResolveTest::eyeDomeShadesWhatLiesBehind()
 {
     constexpr int kWidth = 60, kHeight = 40;
@@ -222,6 +253,142 @@ void ResolveTest::eyeDomeDoesNotDependOnTheScale()
     shadeEyeDome(steps(60, 40, 4096, 512), true, 1, 1, mountain);
     for (std::size_t k = 0; k < room.pixels.size(); ++k)
         QVERIFY(std::abs(room.pixels[k].r - mountain.pixels[k].r) <= 1);
+}
+
+// The steps that processor and devices share, beside what the processor's own functions say.
+void ResolveTest::ownLogarithmsAreRight()
+{
+    for (double x = 1e-6; x < 1e9; x *= 1.0037)
+        QVERIFY(std::abs(double(log2Of(float(x))) - std::log2(double(float(x)))) <=
+                2e-7 * std::max(1.0, std::abs(std::log2(x))));
+    for (float x = 0; x > -40; x -= 0.00731f)
+        QVERIFY(std::abs(double(exp2Of(x)) / std::exp2(double(x)) - 1) < 4e-6);
+    QVERIFY(exp2Of(-1e30f) < 1e-30f);
+}
+
+void ResolveTest::lightIsAsDefined_data()
+{
+    QTest::addColumn<int>("samples");
+    QTest::addColumn<bool>("perspective");
+    for (const int samples : kSampleCounts)
+        for (const bool perspective : {false, true})
+            QTest::addRow("%d samples%s", samples, perspective ? ", perspective" : "") << samples << perspective;
+}
+
+// Every sample of every pixel, one after the other and by the definition: the picture is the same bit for bit.
+void ResolveTest::lightIsAsDefined()
+{
+    QFETCH(int, samples);
+    QFETCH(bool, perspective);
+    constexpr int kWidth = 67, kHeight = 41;
+    const auto cloud = test::makeCloud(5000);
+    PointStore store(cloud, cloud->computeBounds());
+    store.fillAll();
+    store.show(*cloud->findAttribute("RGB"));
+    while (store.stale()) store.refreshNext(5000);
+    FrameScene scene;
+    scene.layers.push_back({&store, 0, {}});
+    ResolveSettings settings;
+    settings.layers = {{WordKind::Color, 0, 1}};
+    settings.backgroundTop = {10, 20, 30, 0};
+    settings.backgroundBottom = {200, 0, 0, 255};
+    settings.eyeDome = {1.3f, perspective, 2};
+    const auto cells = [&] {
+        std::vector<std::uint64_t> all;
+        for (int k = 0; k < kWidth * kHeight * samples; ++k) {
+            const int x = k / samples % kWidth, y = k / samples / kWidth;
+            const std::uint64_t h = test::hash(std::uint64_t(k));
+            const float depth =
+                50 + float(y) * 0.3f + (x + int(h % 2) < kWidth / 2 ? 0 : 20) + float(h % 100) * 0.01f;
+            all.push_back(h % 7 == 0 ? ~0ull : cellOf(depth, PointId(h % 5000)));
+        }
+        return all;
+    }();
+    Image image;
+    resolveCells(cells, {}, {kWidth, kHeight, samples}, scene, settings, image);
+
+    const auto levelAt = [&](int x, int y, int s) {
+        const std::uint64_t cell = cells[std::size_t((y * kWidth + x) * samples + s)];
+        if (cell == ~0ull) return kNothing;
+        return eyeDomeLevel(std::bit_cast<float>(std::uint32_t(cell >> 32)), perspective);
+    };
+    std::vector<float> some;
+    const std::size_t step = std::max<std::size_t>(1, cells.size() / 4096);
+    for (std::size_t k = 0; k < cells.size(); k += step) {
+        const int pixel = int(k) / samples;
+        const float level = levelAt(pixel % kWidth, pixel / kWidth, int(k) % samples);
+        if (level != kNothing) some.push_back(level);
+    }
+    std::sort(some.begin(), some.end());
+    const float extent =
+        some[std::size_t(0.98f * float(some.size() - 1))] - some[std::size_t(0.02f * float(some.size() - 1))];
+    const float scale = eyeDomeScale(1.3f, extent);
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+            std::uint32_t sum[4] = {};
+            for (int s = 0; s < samples; ++s) {
+                const float level = levelAt(x, y, s);
+                Rgba8 color = backgroundOf(y, kHeight, settings);
+                if (level != kNothing) {
+                    const auto id = PointId(cells[std::size_t((y * kWidth + x) * samples + s)]);
+                    float behind = 0;
+                    for (const int reach : {2, 4})
+                        for (const auto& [dx, dy] : std::vector<std::pair<int, int>>{
+                                 {-1, -1}, {0, -1}, {1, -1}, {-1, 0}, {1, 0}, {-1, 1}, {0, 1}, {1, 1}}) {
+                            const int nx = x + dx * reach, ny = y + dy * reach;
+                            if (nx < 0 || ny < 0 || nx >= kWidth || ny >= kHeight) continue;
+                            const float other = levelAt(nx, ny, s);
+                            if (other < level) behind += std::min(level - other, extent);
+                        }
+                    color = dimmed(colorOf(store.words()[id], settings.layers[0], settings),
+                                   0.15f + 0.85f * exp2Of(-behind * scale));
+                }
+                for (int c = 0; c < 3; ++c)
+                    sum[c] += std::uint32_t(c == 0   ? color.r
+                                            : c == 1 ? color.g
+                                                     : color.b) *
+                              (samples > 1 ? color.a : 1u);
+                sum[3] += color.a;
+            }
+            const auto n = std::uint32_t(samples), a = sum[3];
+            Rgba8 expected{std::uint8_t(sum[0]), std::uint8_t(sum[1]), std::uint8_t(sum[2]), std::uint8_t(a)};
+            if (samples > 1)
+                expected = a == 0 ? Rgba8{0, 0, 0, 0}
+                                  : Rgba8{std::uint8_t((sum[0] + a / 2) / a), std::uint8_t((sum[1] + a / 2) / a),
+                                          std::uint8_t((sum[2] + a / 2) / a), std::uint8_t((a + n / 2) / n)};
+            QCOMPARE(image.at(x, y), expected);
+        }
+}
+
+// A wall before a floor, its edge through the middle of pixels: these are between wall and dark floor, not as
+// bright as the wall.
+void ResolveTest::rimsAreNotBright()
+{
+    constexpr int kSide = 40;
+    const auto cloud = test::makeCloud(10);
+    PointStore store(cloud, cloud->computeBounds());
+    store.fillAll();
+    store.show(*cloud->findAttribute("Classification"));
+    while (store.stale()) store.refreshNext(10);
+    FrameScene scene;
+    scene.layers.push_back({&store, 0, {}});
+    ResolveSettings settings;
+    settings.layers = {{WordKind::Class, 0, 1}};
+    settings.palette.fill({200, 200, 200, 255});
+    settings.eyeDome = {1.0f, false, 1};
+    for (const int samples : {4, 8, 16}) {
+        std::vector<std::uint64_t> cells;
+        for (int y = 0; y < kSide; ++y)
+            for (int x = 0; x < kSide; ++x)
+                for (int s = 0; s < samples; ++s)
+                    cells.push_back(cellOf(x < 20 || (x == 20 && s < samples / 2) ? 10.0f : 30.0f, 0));
+        Image image;
+        resolveCells(cells, {}, {kSide, kSide, samples}, scene, settings, image);
+        const int wall = image.at(18, 20).r, rim = image.at(20, 20).r, beside = image.at(21, 20).r;
+        QCOMPARE(wall, 200);
+        QVERIFY(beside < 150);
+        QVERIFY2(rim < 180 && rim > beside, qPrintable(QString("%1 %2 %3").arg(wall).arg(rim).arg(beside)));
+    }
 }
 
 // A near square with holes before a far floor: holes up to 4 px close with the square's color, a wide one and the

@@ -2,6 +2,7 @@
 // How points look: their sizes and shapes, mean colors, lit normals.
 #include "render/progressive/ProgressiveRenderer.h"
 #include "render/store/Spacing.h"
+#include "tests/render/AverageChecks.h"
 #include "tests/render/RenderedView.h"
 
 #include <QtTest>
@@ -30,6 +31,7 @@ private Q_SLOTS:
     void sizesFollowTheDepth();
     void averagesAreThoseOfTheNearestPoints();
     void normalsAreLit();
+    void averagesFollowChanges();
 };
 
 void StylesTest::stylesConvergeToBruteForce_data()
@@ -220,6 +222,17 @@ void StylesTest::normalsAreLit()
     std::set<std::uint32_t> colors;
     for (const Rgba8 c : view.renderer.image().pixels) colors.insert(std::bit_cast<std::uint32_t>(c));
     QVERIFY(colors.size() > 1000);
+}
+
+// Averages that are turned off and on, colors, selections and previews.
+void StylesTest::averagesFollowChanges()
+{
+    QCOMPARE(test::averagesFollowChanges([] { return makeBackend(BackendKind::Cpu); },
+                                         [](const Image& a, const Image& b, double covered) {
+                                             return test::differing(a, b) >
+                                                    0.001 * covered * double(a.pixels.size());
+                                         }),
+             std::string());
 }
 
 QTEST_GUILESS_MAIN(StylesTest)

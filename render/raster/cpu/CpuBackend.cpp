@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "render/raster/LayerLookup.h"
 #include "render/resolve/CpuResolve.h"
+#include "render/resolve/HoleFill.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -267,7 +268,11 @@ void CpuBackend::addColors(const FrameScene& scene, const ResolveSettings& setti
 
 void CpuBackend::resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out)
 {
-    resolveCells(cells(), m_sums.sums(), m_size, scene, settings, out);
+    resolveCells(cells(), settings.means ? m_sums.sums() : std::span<const CpuSums::Sum>(), m_size, scene, settings,
+                 out);
+    if (!settings.closeHoles) return;
+    depths(m_depths);
+    fillHoles(m_depths, out);
 }
 
 void CpuBackend::depths(std::vector<float>& out)

@@ -50,6 +50,8 @@ private:
     KernelChoice m_kernel;
     TargetSize m_size;
     CpuSums m_sums;  ///< of addColors(); has memory from its first call on
+    std::vector<float>
+        m_depths;    ///< of pixels, for closing holes; kept, so that memory is not asked for each frame
     Buffer m_cells;  ///< one more than cells(): see SplatTarget
     /// What reproject() draws of some rows' visible points, for one layer. Points that were visible and are hidden
     /// by another one after a turn mostly come out again with the next: so they are drawn once more then. Measured

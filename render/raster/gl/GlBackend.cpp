@@ -4,13 +4,13 @@
 #include "core/Error.h"
 #include "render/resolve/CpuResolve.h"
 #include "resources.h"
+#include "uniforms.h"
 
 #include <epoxy/gl.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <utility>
 
@@ -50,34 +50,34 @@ std::string_view shader(std::string_view name)
 
 void useProjection(const LayerProjection& p)
 {
-    glUniform3i(0, p.reference.x, p.reference.y, p.reference.z);
-    glUniform4f(1, p.rowX.x, p.rowX.y, p.rowX.z, p.rowX.w);
-    glUniform4f(2, p.rowY.x, p.rowY.y, p.rowY.z, p.rowY.w);
-    glUniform4f(3, p.rowD.x, p.rowD.y, p.rowD.z, p.rowD.w);
-    glUniform1i(4, p.perspective);
-    glUniform1f(5, p.nearDepth);
+    glUniform3i(at::kReference, p.reference.x, p.reference.y, p.reference.z);
+    glUniform4f(at::kRowX, p.rowX.x, p.rowX.y, p.rowX.z, p.rowX.w);
+    glUniform4f(at::kRowY, p.rowY.x, p.rowY.y, p.rowY.z, p.rowY.w);
+    glUniform4f(at::kRowD, p.rowD.x, p.rowD.y, p.rowD.z, p.rowD.w);
+    glUniform1i(at::kPerspective, p.perspective);
+    glUniform1f(at::kNearDepth, p.nearDepth);
 }
 
 void useLayerColors(const LayerColors& colors)
 {
-    glUniform1ui(27, kindOf(colors));
-    glUniform2f(28, colors.low, colors.high);
+    glUniform1ui(at::kKind, kindOf(colors));
+    glUniform2f(at::kRange, colors.low, colors.high);
 }
 
 void usePointSize(const LayerProjection& p, int least, int most)
 {
     const int size = std::clamp(p.sizeInSteps(), least, most);
-    glUniform2i(6, size, p.grows() ? std::clamp(int(kMostGrownSize) * kSampleSteps, size, most) : size);
-    glUniform1f(17, p.sizeOverDepth * float(kSampleSteps));
-    glUniform1i(18, p.round);
+    glUniform2i(at::kSizes, size, p.grows() ? std::clamp(int(kMostGrownSize) * kSampleSteps, size, most) : size);
+    glUniform1f(at::kSizeOverDepth, p.sizeOverDepth * float(kSampleSteps));
+    glUniform1i(at::kCircles, p.round);
 }
 
 void useClip(const LayerClip& clip)
 {
-    glUniform3i(22, clip.low.x, clip.low.y, clip.low.z);
-    glUniform3i(23, clip.high.x, clip.high.y, clip.high.z);
-    glUniform1i(24, clip.on ? GLint(clip.planeCount) : -1);
-    if (clip.planeCount > 0) glUniform4fv(48, GLsizei(clip.planeCount), &clip.planes[0].x);
+    glUniform3i(at::kClipLow, clip.low.x, clip.low.y, clip.low.z);
+    glUniform3i(at::kClipHigh, clip.high.x, clip.high.y, clip.high.z);
+    glUniform1i(at::kPlaneCount, clip.on ? GLint(clip.planeCount) : -1);
+    if (clip.planeCount > 0) glUniform4fv(at::kPlanes, GLsizei(clip.planeCount), &clip.planes[0].x);
 }
 
 std::array<std::uint32_t, 8> shownClasses(const FrameScene& scene) noexcept
@@ -99,7 +99,7 @@ GlBackend::GlBackend(const GlLimits& limits, const GroupPoints& groupPoints)
     }
     for (const bool groups : {false, true})
         m_scatter[groups] = GlProgram::compute(
-            "scatter.comp", {"#version 430 core\n", groups ? "#define GROUPS\n" : "", shader("scatter.comp.glsl")});
+            "scatter.comp", {kShaderHead, groups ? "#define GROUPS\n" : "", shader("scatter.comp.glsl")});
 }
 
 GlBackend::~GlBackend() = default;
@@ -116,7 +116,6 @@ void GlBackend::setTarget(const TargetSize& size)
         throw Error("The graphics card draws pictures of at most " + std::to_string(m_info.maxTextureSize) +
                     " px a side. Ask for a smaller one or choose the CPU backend.");
     m_picture.reset();
-    m_sums.reset();
     for (auto& [store, copy] : m_copies) copy.rebuilt = false;
     m_visibility->setSize(size, m_info);
     if (!m_visibility->empty()) targetChanged();
@@ -138,7 +137,7 @@ void GlBackend::visibleIds(std::vector<PointId>& out)
     const PointId zero = 0;
     std::vector<std::uint32_t> list;
     for (const GlVisibility::Band& band : m_visibility->collect({&zero, 1})) {
-        GlVisibility::readBack(band, 1, list);
+        m_visibility->readBack(band, 1, list);
         out.insert(out.end(), list.begin(), list.end());
     }
     checkGlErrors("reading what is visible");
@@ -157,7 +156,7 @@ void GlBackend::updateCopies(const FrameScene& scene)
         const bool known = it != m_copies.end();
         if (known && it->second.matches(store)) continue;
         if (known) m_copies.erase(it);
-        GlPointCopy copy(store, m_limits.chunkSlots);
+        GlPointCopy copy(store, m_limits.chunkSlots, m_traffic);
         copy.rebuilt = known;
         copy.encoder = store.encoder();
         m_copies.emplace(&store, std::move(copy));
@@ -320,7 +319,7 @@ void GlBackend::scatter(const FrameScene& scene, const std::vector<bool>& layers
     std::vector<std::uint32_t> list;
     std::vector<ScatterEntry> entries;
     for (const GlVisibility::Band& band : m_visibility->collect(firstIds)) {
-        const auto commands = GlVisibility::readBack(band, all.size(), list);
+        const auto commands = m_visibility->readBack(band, all.size(), list);
         for (std::size_t i = 0; i < all.size(); ++i) {
             const Layer& layer = scene.layers[all[i].layer];
             const GlPointCopy::Chunk& chunk = copyOf(layer).chunks()[all[i].chunk];
@@ -339,9 +338,9 @@ void GlBackend::scatter(const FrameScene& scene, const std::vector<bool>& layers
                     }
                 });
                 m_entries.reserve(count * sizeof(ScatterEntry));
-                m_entries.write(0, entries.data(), count * sizeof(ScatterEntry));
+                m_entries.write(0, entries.data(), count * sizeof(ScatterEntry), m_traffic);
                 m_scatter[bool(chunk.groups)].use();
-                glUniform1ui(0, GLuint(count));
+                glUniform1ui(at::kCount, GLuint(count));
                 glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, m_entries.id());
                 glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, chunk.words.id());
                 if (chunk.groups) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, chunk.groups.id());
@@ -365,15 +364,15 @@ void GlBackend::updateTables(const ResolveSettings& settings)
     for (int y = 0; y < height; ++y) tables.push_back(backgroundOf(y, height, settings));
     const std::size_t bytes = tables.size() * sizeof(Rgba8);
     m_tables.reserve(bytes);
-    m_tables.write(0, tables.data(), bytes);
+    m_tables.write(0, tables.data(), bytes, m_traffic);
     m_lit = settings.normals == NormalLook::Lit;
     m_light = settings.light;
 }
 
 void GlBackend::useColors() const
 {
-    glUniform1i(25, m_lit);
-    glUniform3f(26, m_light.x, m_light.y, m_light.z);
+    glUniform1i(at::kLit, m_lit);
+    glUniform3f(at::kLight, m_light.x, m_light.y, m_light.z);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, m_tables.id());
 }
 
@@ -393,33 +392,27 @@ void GlBackend::addColors(const FrameScene& scene, const ResolveSettings& settin
 void GlBackend::runResolve(const FrameScene& scene, const ResolveSettings& settings)
 {
     const TargetSize size = m_visibility->size();
-    const bool means = m_visibility->hasSums();
-    GlProgram& program = m_resolve[sampleCountIndex(size.samples)][means];
+    const bool means = settings.means && m_visibility->hasSums(), light = settings.eyeDome.on();
+    GlProgram& program = m_resolve[sampleCountIndex(size.samples)][(means ? 1u : 0u) + (light ? 2u : 0u)];
     if (!program)
-        program = m_visibility->reader("resolve.comp", {shader("color.glsl"), shader("resolve.comp.glsl")}, means);
+        program = m_visibility->reader(
+            "resolve.comp",
+            {light ? "#define EYE_DOME\n" : "", light ? shader("eyedome.glsl") : "",
+             light ? shader("shade.glsl") : "", shader("color.glsl"), shader("resolve.comp.glsl")},
+            means);
     if (means) m_visibility->makeMeans();
-    const auto texture = [&](GLenum format) {
-        checkGlErrors("drawing");
-        GlTexture t = GlTexture::create();
-        glBindTexture(GL_TEXTURE_2D, t.id());
-        glTexStorage2D(GL_TEXTURE_2D, 1, format, size.width, size.height);
-        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-        checkGlErrors("making the picture");
-        return t;
-    };
-    glActiveTexture(GL_TEXTURE0);
-    if (!m_picture) m_picture = texture(GL_R32UI);
+    if (light) m_picture.prepareLight(*m_visibility, settings.eyeDome);
 
     std::vector<ChunkPlace> drawn = places(scene);
     std::erase_if(drawn,
                   [&](const ChunkPlace& p) { return !copyOf(scene.layers[p.layer]).chunks()[p.chunk].words; });
-    if (drawn.size() > kResolveChunks && !m_sums) m_sums = texture(GL_RGBA32UI);
-
     updateTables(settings);
     program.use();
     useColors();
-    glBindImageTexture(1, m_picture.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
-    if (m_sums) glBindImageTexture(0, m_sums.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
+    if (light) glUniform1i(at::kReach, settings.eyeDome.reach);
+    glBindImageTexture(1, m_picture.picture(*m_visibility), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
+    if (drawn.size() > kResolveChunks)
+        glBindImageTexture(0, m_picture.sums(*m_visibility), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
     for (std::size_t first = 0; first == 0 || first < drawn.size(); first += kResolveChunks) {
         GLuint firstIds[kResolveChunks]{}, counts[kResolveChunks]{}, kinds[kResolveChunks]{};
         GLfloat lows[kResolveChunks]{}, highs[kResolveChunks]{};
@@ -438,41 +431,57 @@ void GlBackend::runResolve(const FrameScene& scene, const ResolveSettings& setti
             }
             glBindBufferBase(GL_SHADER_STORAGE_BUFFER, GLuint(k), words);
         }
-        glUniform4uiv(0, 1, firstIds);
-        glUniform4uiv(1, 1, counts);
-        glUniform4uiv(2, 1, kinds);
-        glUniform4fv(3, 1, lows);
-        glUniform4fv(4, 1, highs);
-        glUniform1i(5, first == 0);
-        glUniform1i(6, first + kResolveChunks >= drawn.size());
-        for (const GlVisibility::Band& band : m_visibility->bands()) {
-            m_visibility->bindForReading(band);
-            m_visibility->runOver(band, 7);
-        }
+        glUniform4uiv(at::kFirstIds, 1, firstIds);
+        glUniform4uiv(at::kCounts, 1, counts);
+        glUniform4uiv(at::kKinds, 1, kinds);
+        glUniform4fv(at::kLows, 1, lows);
+        glUniform4fv(at::kHighs, 1, highs);
+        glUniform1i(at::kFirst, first == 0);
+        glUniform1i(at::kLast, first + kResolveChunks >= drawn.size());
+        m_visibility->runOverAll();
         glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
     }
-    glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
+    glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+    if (settings.closeHoles) m_picture.closeHoles(*m_visibility);
 }
 
 void GlBackend::resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out)
 {
-    out.resize(m_visibility->size().width, m_visibility->size().height);
+    resolveOnDevice(scene, settings);
+    readPicture(out);
+}
+
+void GlBackend::resolveOnDevice(const FrameScene& scene, const ResolveSettings& settings)
+{
     if (m_visibility->empty()) return;
     const GlStateGuard guard;
     updateCopies(scene);
     updateVisible(scene, Part::Words);
     runResolve(scene, settings);
-    glBindTexture(GL_TEXTURE_2D, m_picture.id());
-    static_assert(std::endian::native == std::endian::little);  // the lowest byte of a word is red
-    glGetTexImage(GL_TEXTURE_2D, 0, GL_RED_INTEGER, GL_UNSIGNED_INT, out.pixels.data());
-    glBindTexture(GL_TEXTURE_2D, 0);
     checkGlErrors("making the picture");
+}
+
+void GlBackend::readPicture(Image& out)
+{
+    out.resize(m_visibility->size().width, m_visibility->size().height);
+    if (m_visibility->empty()) return;
+    const GlStateGuard guard;
+    m_picture.read(out);
+    checkGlErrors("reading the picture");
+}
+
+void GlBackend::copyPicture(unsigned texture)
+{
+    if (m_visibility->empty()) return;
+    const GlStateGuard guard;
+    m_picture.copyTo(texture, m_visibility->size());
+    checkGlErrors("handing the picture over");
 }
 
 void GlBackend::depths(std::vector<float>& out)
 {
     const GlStateGuard guard;
-    m_visibility->depths(out);
+    m_picture.depths(*m_visibility, out);
     checkGlErrors("reading depths");
 }
 

@@ -3,6 +3,7 @@
 
 #include "render/raster/Backend.h"
 #include "render/raster/gl/GlBudget.h"
+#include "render/raster/gl/GlPicture.h"
 #include "render/raster/gl/GlPointCopy.h"
 #include "render/raster/gl/GlVisibility.h"
 
@@ -24,7 +25,7 @@ struct GlLimits {
 /// What the backends that draw with OpenGL share: copies of the stores on the device, lists of what is visible, the
 /// picture, picking. How points get into the visibility buffer is the derived classes' business. Needs a current
 /// OpenGL 4.3 core context, which must be current whenever a member is called and when the backend is destroyed;
-/// leaves the context's drawing state as it found it, but for texture units 0 to 2 and the numbered storage and
+/// leaves the context's drawing state as it found it, but for texture units 0 to 4 and the numbered storage and
 /// image bindings.
 class GlBackend : public RasterBackend
 {
@@ -46,6 +47,11 @@ public:
     void addColors(const FrameScene& scene, const ResolveSettings& settings, std::size_t layer,
                    SlotRange slots) final;
     void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) final;
+    bool keepsPicture() const noexcept final { return true; }
+    void resolveOnDevice(const FrameScene& scene, const ResolveSettings& settings) final;
+    void readPicture(Image& out) final;
+    void copyPicture(unsigned texture) final;
+    Traffic traffic() const noexcept final { return {m_traffic.up, m_traffic.down}; }
     void depths(std::vector<float>& out) final;
     std::optional<Hit> pick(int x, int y, int radius) final;
     double coveredShare() final;
@@ -68,6 +74,8 @@ protected:
     void setVisibility(std::unique_ptr<GlVisibility> visibility) { m_visibility = std::move(visibility); }
     const GlInfo& info() const noexcept { return m_info; }
     const GlLimits& limits() const noexcept { return m_limits; }
+    /// Counts what goes to the device and back.
+    GlTraffic& counted() noexcept { return m_traffic; }
     GlPointCopy& copyOf(const Layer& layer) { return m_copies.at(layer.store); }
 
     /// The visibility buffer is new.
@@ -103,15 +111,16 @@ private:
     GlInfo m_info;
     GlLimits m_limits;
     GroupPoints m_groupPoints;
-    GlBudget m_budget;
+    GlTraffic m_traffic;
+    GlBudget m_budget{m_traffic};
+    GlPicture m_picture{m_traffic};
     std::unique_ptr<GlVisibility> m_visibility;
     std::unordered_map<const PointStore*, GlPointCopy> m_copies;
     std::array<GlProgram, 2> m_scatter;                                    ///< words; words and groups
-    std::array<std::array<GlProgram, 2>, kSampleCounts.size()> m_resolve;  ///< of samples; of means
+    std::array<std::array<GlProgram, 4>, kSampleCounts.size()> m_resolve;  ///< 1: of means; 2: with light
     bool m_lit = false;                                                    ///< as in the tables
     glm::vec3 m_light{0.0f};
     GlBuffer m_entries, m_tables;
-    GlTexture m_picture, m_sums;
 };
 
 /// Sets the uniforms of projection.glsl in the program that is in use.

@@ -2,6 +2,7 @@
 #include "render/raster/gl/GlBudget.h"
 
 #include "resources.h"
+#include "uniforms.h"
 
 #include <epoxy/gl.h>
 
@@ -51,21 +52,21 @@ const GlVisibility::Band& GlBudget::decide(std::span<const Piece> pieces, Slot f
                                            std::uint32_t groupPoints, double seconds)
 {
     if (!m_program)
-        m_program = GlProgram::compute("budget.comp", {"#version 430 core\n", resource("shaders/gl/command.glsl"),
+        m_program = GlProgram::compute("budget.comp", {kShaderHead, resource("shaders/gl/command.glsl"),
                                                        resource("shaders/gl/budget.comp.glsl")});
     std::vector<GlVisibility::Command> commands;
     for (const Piece& p : pieces)
         commands.push_back({p.count, 1, p.first, 0, 0, {0, 1, 1}, 0, p.offset, p.run, p.step});
     const std::size_t bytes = commands.size() * sizeof(GlVisibility::Command);
     m_decided.commands.reserve(std::max(bytes, sizeof(GlVisibility::Command)));
-    m_decided.commands.write(0, commands.data(), bytes);
+    m_decided.commands.write(0, commands.data(), bytes, m_traffic);
     m_firstSlots = firstSlots;
 
     m_program.use();
-    glUniform1ui(0, GLuint(commands.size()));
-    glUniform1ui(1, groupPoints);
-    glUniform1ui(2, firstSlots);
-    glUniform1ui(3, GLuint(std::clamp(seconds, 0.0, kMostSeconds) * 1e9));
+    glUniform1ui(at::kCommandCount, GLuint(commands.size()));
+    glUniform1ui(at::kGroupPoints, groupPoints);
+    glUniform1ui(at::kFirstSlots, firstSlots);
+    glUniform1ui(at::kBudget, GLuint(std::clamp(seconds, 0.0, kMostSeconds) * 1e9));
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, clock().id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, m_decided.commands.id());
     glMemoryBarrier(GL_QUERY_BUFFER_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
@@ -78,13 +79,13 @@ const GlVisibility::Band& GlBudget::decide(std::span<const Piece> pieces, Slot f
 RasterBackend::Timed GlBudget::result() const
 {
     Clock clock{};
-    m_clock.read(0, &clock, sizeof clock);
+    m_clock.read(0, &clock, sizeof clock, m_traffic);
     const auto seconds = [&](Moment from, Moment to) {
         const auto a = clock.times[std::size_t(from)], b = clock.times[std::size_t(to)];
         return b > a ? double(b - a) * 1e-9 : 0.0;
     };
-    return {std::uint64_t(m_firstSlots) + clock.total, seconds(Moment::FirstBegins, Moment::Done),
-            seconds(Moment::Start, Moment::Done)};
+    return {std::uint64_t(m_firstSlots) + clock.total, seconds(Moment::Start, Moment::FirstBegins),
+            seconds(Moment::FirstBegins, Moment::Done), seconds(Moment::Start, Moment::Done)};
 }
 
 }  // namespace punctum::render

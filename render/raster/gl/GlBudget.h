@@ -18,6 +18,8 @@ namespace punctum::render
 class GlBudget
 {
 public:
+    /// `traffic` outlives it and counts what goes to and fro.
+    explicit GlBudget(GlTraffic& traffic) : m_traffic(traffic) {}
     enum class Moment { Start, FirstBegins, FirstDone, Done };
     /// Has the device note the time when everything asked for so far is done.
     void mark(Moment moment);
@@ -40,6 +42,7 @@ public:
     GlBuffer& clock();
 
 private:
+    GlTraffic& m_traffic;
     std::array<GlQuery, 4> m_queries;
     GlBuffer m_clock;
     GlVisibility::Band m_decided;

@@ -28,8 +28,9 @@ std::uint32_t versionOf(const PointStore& store, GlPointCopy::Part part, Slot bl
 
 }  // namespace
 
-GlPointCopy::GlPointCopy(const PointStore& store, Slot chunkSlots)
-    : m_store(store.id()),
+GlPointCopy::GlPointCopy(const PointStore& store, Slot chunkSlots, GlTraffic& traffic)
+    : m_traffic(&traffic),
+      m_store(store.id()),
       m_slots(store.slotCount()),
       m_chunkSlots(chunkSlots),
       m_chunkBlocks(chunkSlots / kBlockSlots),
@@ -108,16 +109,17 @@ void GlPointCopy::put(const PointStore& store, Part part, Slot firstBlock, Slot 
     switch (part) {
         case Part::Positions:
             chunk.positions.write(at * sizeof(LocalPosition), store.positions().data() + first,
-                                  count * sizeof(LocalPosition));
+                                  count * sizeof(LocalPosition), *m_traffic);
             break;
         case Part::Words:
-            chunk.words.write(at * 4, store.words().data() + first, count * 4);
+            chunk.words.write(at * 4, store.words().data() + first, count * 4, *m_traffic);
             break;
         case Part::Groups: {
             std::vector<std::uint16_t> groups(count);
             const auto classes = store.classes().subspan(first), hidden = store.hidden().subspan(first);
             for (std::size_t k = 0; k < count; ++k) groups[k] = groupOf(classes[k], hidden[k]);
-            chunk.groups.write(at * sizeof(std::uint16_t), groups.data(), count * sizeof(std::uint16_t));
+            chunk.groups.write(at * sizeof(std::uint16_t), groups.data(), count * sizeof(std::uint16_t),
+                               *m_traffic);
             break;
         }
     }

@@ -28,8 +28,8 @@ public:
     /// 2^23 slots make 96 MiB of positions: below the 128 MiB that some drivers set as the limit of a block.
     static constexpr Slot kMostChunkSlots = Slot(1) << 23;
 
-    /// `chunkSlots`: a multiple of PointStore::kBlockSlots.
-    GlPointCopy(const PointStore& store, Slot chunkSlots);
+    /// `chunkSlots`: a multiple of PointStore::kBlockSlots. `traffic` outlives it and counts what goes over.
+    GlPointCopy(const PointStore& store, Slot chunkSlots, GlTraffic& traffic);
 
     /// False when the store is another one than this copy was made of, or was rebuilt.
     bool matches(const PointStore& store) const noexcept;
@@ -70,6 +70,7 @@ private:
     /// Consecutive blocks of one chunk.
     void put(const PointStore& store, Part part, Slot firstBlock, Slot lastBlock);
 
+    GlTraffic* m_traffic;   ///< never null
     std::uint64_t m_store;  ///< PointStore::id()
     Slot m_slots;
     Slot m_chunkSlots, m_chunkBlocks;

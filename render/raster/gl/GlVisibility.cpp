@@ -2,11 +2,11 @@
 #include "render/raster/gl/GlVisibility.h"
 
 #include "resources.h"
+#include "uniforms.h"
 
 #include <epoxy/gl.h>
 
 #include <algorithm>
-#include <limits>
 
 namespace punctum::render
 {
@@ -30,7 +30,7 @@ std::string_view shader(std::string_view name)
 GlProgram GlVisibility::reader(std::string_view name, std::initializer_list<std::string_view> source,
                                bool means) const
 {
-    std::string text = "#version 430 core\n#define SAMPLES " + std::to_string(m_size.samples) + "\n" +
+    std::string text = std::string(kShaderHead) + "#define SAMPLES " + std::to_string(m_size.samples) + "\n" +
                        (means ? "#define MEANS\n" : "") + accessors();
     for (const std::string_view piece : source) text += piece;
     return GlProgram::compute(name, {text});
@@ -84,10 +84,18 @@ void GlVisibility::requireSums()
     m_summed = true;
 }
 
-void GlVisibility::runOver(const Band& band, int location)
+void GlVisibility::runOver(const Band& band)
 {
-    glUniform4i(location, band.firstRow, band.lastRow, m_size.width, 0);
+    glUniform4i(at::kBand, band.firstRow, band.lastRow, m_size.width, 0);
     glDispatchCompute(groups(m_size.width, kGroup), groups(band.lastRow - band.firstRow, kGroup), 1);
+}
+
+void GlVisibility::runOverAll()
+{
+    for (const Band& band : m_bands) {
+        bindForReading(band);
+        runOver(band);
+    }
 }
 
 std::span<const GlVisibility::Band> GlVisibility::collect(std::span<const PointId> firstIds,
@@ -96,12 +104,11 @@ std::span<const GlVisibility::Band> GlVisibility::collect(std::span<const PointI
     if (empty() || firstIds.empty()) return {};
     Programs& p = programs();
     if (!m_scan)
-        m_scan = GlProgram::compute("scan.comp",
-                                    {"#version 430 core\n", shader("command.glsl"), shader("scan.comp.glsl")});
+        m_scan = GlProgram::compute("scan.comp", {kShaderHead, shader("command.glsl"), shader("scan.comp.glsl")});
     const std::size_t rowSamples = std::size_t(m_size.width) * std::size_t(m_size.samples);
     const auto chunks = GLuint(firstIds.size());
     m_firstIds.reserve(firstIds.size_bytes());
-    m_firstIds.write(0, firstIds.data(), firstIds.size_bytes());
+    m_firstIds.write(0, firstIds.data(), firstIds.size_bytes(), m_traffic);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, m_firstIds.id());
     for (Band& band : m_bands) {
         band.commands.reserve(chunks * sizeof(Command));
@@ -111,13 +118,13 @@ std::span<const GlVisibility::Band> GlVisibility::collect(std::span<const PointI
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, band.list.id());
         for (const GlProgram* program : {&p.count, &m_scan, &p.fill}) {
             program->use();
-            glUniform1ui(1, chunks);
+            glUniform1ui(at::kChunkCount, chunks);
             if (program == &m_scan) {
-                glUniform1ui(2, groupPoints);
+                glUniform1ui(at::kGroupPoints, groupPoints);
                 glDispatchCompute(1, 1, 1);
             } else {
                 bindForReading(band);
-                runOver(band, 0);
+                runOver(band);
             }
             glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
         }
@@ -130,10 +137,10 @@ std::vector<GlVisibility::Command> GlVisibility::readBack(const Band& band, std:
                                                           std::vector<std::uint32_t>& list)
 {
     std::vector<Command> commands(chunks);
-    band.commands.read(0, commands.data(), chunks * sizeof(Command));
+    band.commands.read(0, commands.data(), chunks * sizeof(Command), m_traffic);
     const Command& last = commands.back();
     list.resize(std::size_t(last.firstIndex) + last.count);
-    if (!list.empty()) band.list.read(0, list.data(), list.size() * sizeof(std::uint32_t));
+    if (!list.empty()) band.list.read(0, list.data(), list.size() * sizeof(std::uint32_t), m_traffic);
     return commands;
 }
 
@@ -142,30 +149,16 @@ void GlVisibility::read(int x, int y, int width, int height, std::vector<Sample>
     out.resize(std::size_t(width) * std::size_t(height) * std::size_t(m_size.samples));
     m_scratch.reserve(out.size() * sizeof(Sample));
     programs().read.use();
-    glUniform4i(0, x, y, width, height);
+    glUniform4i(at::kRectangle, x, y, width, height);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, m_scratch.id());
     for (const Band& band : m_bands) {
         if (band.firstRow >= y + height || band.lastRow <= y) continue;
         bindForReading(band);
-        glUniform2i(1, band.firstRow, band.lastRow);
+        glUniform2i(at::kRows, band.firstRow, band.lastRow);
         glDispatchCompute(groups(width, 8), groups(height, 8), 1);
     }
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    m_scratch.read(0, out.data(), out.size() * sizeof(Sample));
-}
-
-void GlVisibility::depths(std::vector<float>& out)
-{
-    const auto width = std::size_t(m_size.width), samples = std::size_t(m_size.samples);
-    out.assign(width * std::size_t(m_size.height), std::numeric_limits<float>::infinity());
-    if (empty()) return;
-    std::vector<Sample> found;
-    for (const Band& band : m_bands) {
-        read(0, band.firstRow, m_size.width, band.lastRow - band.firstRow, found);
-        float* const nearest = out.data() + std::size_t(band.firstRow) * width;
-        for (std::size_t k = 0; k < found.size(); ++k)
-            if (found[k].id != kNoPoint) nearest[k / samples] = std::min(nearest[k / samples], found[k].depth);
-    }
+    m_scratch.read(0, out.data(), out.size() * sizeof(Sample), m_traffic);
 }
 
 std::optional<RasterBackend::Hit> GlVisibility::pick(int x, int y, int radius)
@@ -201,16 +194,13 @@ double GlVisibility::coveredShare()
     if (empty()) return 0.0;
     m_scratch.reserve(4);
     const std::uint32_t zero = 0;
-    m_scratch.write(0, &zero, 4);
+    m_scratch.write(0, &zero, 4, m_traffic);
     programs().covered.use();
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, m_scratch.id());
-    for (const Band& band : m_bands) {
-        bindForReading(band);
-        runOver(band, 0);
-    }
+    runOverAll();
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     std::uint32_t covered = 0;
-    m_scratch.read(0, &covered, 4);
+    m_scratch.read(0, &covered, 4, m_traffic);
     return double(covered) / (double(m_size.width) * double(m_size.height));
 }
 

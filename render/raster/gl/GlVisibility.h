@@ -52,11 +52,9 @@ public:
     /// work group draws, for Command::groups. Valid until the next call.
     std::span<const Band> collect(std::span<const PointId> firstIds, std::uint32_t groupPoints = 1);
     /// Reads a band back; returns the commands, ids relative to their chunk in `list`.
-    static std::vector<Command> readBack(const Band& band, std::size_t chunks, std::vector<std::uint32_t>& list);
+    std::vector<Command> readBack(const Band& band, std::size_t chunks, std::vector<std::uint32_t>& list);
 
     std::optional<RasterBackend::Hit> pick(int x, int y, int radius);
-    /// As RasterBackend::depths().
-    void depths(std::vector<float>& out);
     double coveredShare();
 
     /// Room for sums of colors, all 0, where there are none since clear() or clearSums().
@@ -71,15 +69,17 @@ public:
     /// where `means`; SAMPLES defined.
     GlProgram reader(std::string_view name, std::initializer_list<std::string_view> source,
                      bool means = false) const;
-    /// Runs a reader, which is in use, over the pixels of a band, in groups of 16 x 16: uniform `location` gets
-    /// first row, last row, width.
-    void runOver(const Band& band, int location);
+    /// Runs a reader, which is in use, over the pixels of a band, in groups of 16 x 16: uniform `band` gets first
+    /// row, last row, width.
+    void runOver(const Band& band);
+    /// The same over all bands.
+    void runOverAll();
     /// Lets shaders read a band: before each run of a reader.
     virtual void bindForReading(const Band& band) = 0;
 
 protected:
-    /// `bandSamples`: the most samples of a band.
-    explicit GlVisibility(std::size_t bandSamples) : m_bandSamples(bandSamples) {}
+    /// `bandSamples`: the most samples of a band. `traffic` outlives it and counts what goes to and fro.
+    GlVisibility(std::size_t bandSamples, GlTraffic& traffic) : m_traffic(traffic), m_bandSamples(bandSamples) {}
     /// Makes room for bands(), or for nothing when there are none.
     virtual void makeStorage(const GlInfo& info) = 0;
     /// What defines idAt() and depthAt(), and where MEANS is defined meanAt().
@@ -101,6 +101,7 @@ private:
     };
     Programs& programs();
 
+    GlTraffic& m_traffic;
     std::size_t m_bandSamples;
     TargetSize m_size;
     std::array<Programs, kSampleCounts.size()> m_programs;  ///< made when first needed

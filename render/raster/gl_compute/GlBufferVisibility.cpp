@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "resources.h"
+#include "uniforms.h"
 
 #include <epoxy/gl.h>
 
@@ -68,12 +69,11 @@ void GlBufferVisibility::bindForAdding(const Band& band) const
 void GlBufferVisibility::makeMeans()
 {
     if (!m_means)
-        m_means = GlProgram::compute("means.comp",
-                                     {"#version 430 core\n", resource("shaders/gl_compute/means.comp.glsl")});
+        m_means = GlProgram::compute("means.comp", {kShaderHead, resource("shaders/gl_compute/means.comp.glsl")});
     m_means.use();
     for (const Band& band : bands()) {
         const Storage& storage = m_storage[indexOf(band)];
-        glUniform1ui(0, GLuint(cellsOf(band)));
+        glUniform1ui(at::kCells, GLuint(cellsOf(band)));
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, storage.redGreen.id());
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, storage.blueCount.id());
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, storage.means.id());
@@ -88,7 +88,7 @@ void GlBufferVisibility::bindForReading(const Band& band)
 {
     bindForDrawing(band);
     if (hasSums()) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, m_storage[indexOf(band)].means.id());
-    glUniform2i(15, band.firstRow, size().width);
+    glUniform2i(at::kStored, band.firstRow, size().width);
 }
 
 }  // namespace punctum::render

@@ -13,7 +13,10 @@ class GlBufferVisibility final : public GlVisibility
 {
 public:
     /// `wide`: depth (high) and id (low) of a sample in one 64-bit word; otherwise in two buffers of 32-bit words.
-    GlBufferVisibility(std::size_t bandSamples, bool wide) : GlVisibility(bandSamples), m_wide(wide) {}
+    GlBufferVisibility(std::size_t bandSamples, GlTraffic& traffic, bool wide)
+        : GlVisibility(bandSamples, traffic), m_wide(wide)
+    {
+    }
 
     void bindForReading(const Band& band) override;
     void makeMeans() override;

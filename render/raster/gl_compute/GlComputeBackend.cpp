@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "render/raster/gl_compute/GlBufferVisibility.h"
 #include "resources.h"
+#include "uniforms.h"
 
 #include <epoxy/gl.h>
 
@@ -39,7 +40,7 @@ struct Variant {
 
 GlProgram makeProgram(const Variant& v)
 {
-    std::string text = "#version 430 core\n";
+    std::string text(kShaderHead);
     if (v.pass == 2)
         text += "#extension GL_ARB_gpu_shader_int64 : require\n#extension GL_NV_shader_atomic_int64 : require\n";
     const auto define = [&](const std::string& name, const std::string& value) {
@@ -88,7 +89,8 @@ public:
         : GlBackend(options.limits, {kListPoints, kRunPoints}), m_wide(options.allowWide && hasWideAtomics())
     {
         const auto fits = std::size_t(info().maxStorageBlock) / (m_wide ? 8 : 4);
-        auto visibility = std::make_unique<GlBufferVisibility>(std::min(options.limits.bandSamples, fits), m_wide);
+        auto visibility =
+            std::make_unique<GlBufferVisibility>(std::min(options.limits.bandSamples, fits), counted(), m_wide);
         m_target = visibility.get();
         setVisibility(std::move(visibility));
         checkGlErrors("starting");
@@ -150,14 +152,14 @@ void GlComputeBackend::use(Variant variant, const FrameScene& scene, const Layer
     useClip(layer.clip);
     usePointSize(p, 1, std::numeric_limits<int>::max());
     const float margin = variant.pixels ? 0.0f : p.margin();
-    glUniform4f(7, -margin, float(size.width) + margin, -margin, float(size.height) + margin);
-    glUniform4i(16, band.firstRow, band.lastRow, size.width, 0);
-    if (scene.filters()) glUniform4uiv(14, 2, shownClasses(scene).data());
+    glUniform4f(at::kKept, -margin, float(size.width) + margin, -margin, float(size.height) + margin);
+    glUniform4i(at::kBand, band.firstRow, band.lastRow, size.width, 0);
+    if (scene.filters()) glUniform4uiv(at::kShownClasses, 2, shownClasses(scene).data());
 }
 
 void GlComputeBackend::bindChunk(const FrameScene& scene, const Layer& layer, const GlPointCopy::Chunk& chunk)
 {
-    glUniform1ui(11, layer.firstId + chunk.first);
+    glUniform1ui(at::kFirstId, layer.firstId + chunk.first);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, chunk.positions.id());
     if (scene.filters()) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, chunk.groups.id());
 }
@@ -171,7 +173,7 @@ void GlComputeBackend::dispatch(const FrameScene& scene, const Layer& layer, Slo
         const Slot end = std::min(slots.last, chunk.first + chunk.slots);
         bindChunk(scene, layer, chunk);
         each(chunk);
-        glUniform2ui(12, at - chunk.first, end - chunk.first);
+        glUniform2ui(at::kSlots, at - chunk.first, end - chunk.first);
         glDispatchCompute((end - at + kRunPoints - 1) / kRunPoints, 1, 1);
         at = end;
     }
@@ -213,7 +215,7 @@ void GlComputeBackend::drawCommands(const FrameScene& scene, std::span<const Chu
                 use({.pass = pass, .commands = true, .list = bool(bands.front().list)}, scene, l, target);
             layer = places[i].layer;
             bindChunk(scene, l, chunk);
-            glUniform1ui(12, GLuint(i));
+            glUniform1ui(at::kChunk, GLuint(i));
             for (const GlVisibility::Band& list : bands) {
                 if (list.list) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, list.list.id());
                 glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, list.commands.id());

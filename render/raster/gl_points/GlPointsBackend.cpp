@@ -3,6 +3,7 @@
 
 #include "render/raster/gl_points/GlTextureVisibility.h"
 #include "resources.h"
+#include "uniforms.h"
 
 #include <epoxy/gl.h>
 
@@ -63,7 +64,7 @@ private:
 
 GlPointsBackend::GlPointsBackend(const GlLimits& limits) : GlBackend(limits, {})
 {
-    auto visibility = std::make_unique<GlTextureVisibility>(limits.bandSamples);
+    auto visibility = std::make_unique<GlTextureVisibility>(limits.bandSamples, counted());
     m_target = visibility.get();
     setVisibility(std::move(visibility));
     GLfloat range[2]{1, 1};
@@ -75,7 +76,7 @@ GlPointsBackend::GlPointsBackend(const GlLimits& limits) : GlBackend(limits, {})
 
 GlProgram GlPointsBackend::makeProgram(const Variant& variant) const
 {
-    std::string head = "#version 430 core\n";
+    std::string head(kShaderHead);
     if (!info().clipControl && variant.averageOf == 0) head += "#define FRAGMENT_DEPTH\n";
     if (variant.filter) head += "#define FILTER\n";
     if (variant.circles) head += "#define CIRCLES\n";
@@ -152,13 +153,13 @@ void GlPointsBackend::beginDrawing(const FrameScene& scene, bool adding)
     if (!program) program = makeProgram(variant);
     program.use();
     if (circles) {
-        if (!adding) glUniform1i(31, size.samples);
-        glUniform2iv(32, kSampleCounts.back(), m_places.data());
+        if (!adding) glUniform1i(at::kSamples, size.samples);
+        glUniform2iv(at::kPlaces, kSampleCounts.back(), m_places.data());
     }
-    glUniform2f(8, float(size.width), float(size.height));
-    glUniform1f(9, m_margin);
-    glUniform1f(10, m_perPixel);
-    if (scene.filters()) glUniform4uiv(14, 2, shownClasses(scene).data());
+    glUniform2f(at::kPictureSize, float(size.width), float(size.height));
+    glUniform1f(at::kMargin, m_margin);
+    glUniform1f(at::kPerPixel, m_perPixel);
+    if (scene.filters()) glUniform4uiv(at::kShownClasses, 2, shownClasses(scene).data());
 }
 
 void GlPointsBackend::useLayer(const Layer& layer)
@@ -193,7 +194,7 @@ void GlPointsBackend::drawChunks(const Layer& layer, SlotRange slots)
     for (Slot at = slots.first; at < slots.last;) {
         const GlPointCopy::Chunk& chunk = copy.chunks()[at / copy.chunkSlots()];
         const Slot end = std::min(slots.last, chunk.first + chunk.slots);
-        glUniform1ui(11, layer.firstId + chunk.first);
+        glUniform1ui(at::kFirstId, layer.firstId + chunk.first);
         glBindVertexArray(chunk.points.id());
         glDrawArrays(GL_POINTS, GLint(at - chunk.first), GLsizei(end - at));
         at = end;
@@ -211,7 +212,7 @@ void GlPointsBackend::drawCommands(const FrameScene& scene, std::span<const Chun
         if (!chunk.points) continue;
         if (layer != places[i].layer) useLayer(l);
         layer = places[i].layer;
-        glUniform1ui(11, l.firstId + chunk.first);
+        glUniform1ui(at::kFirstId, l.firstId + chunk.first);
         glBindVertexArray(chunk.points.id());
         for (const GlVisibility::Band& band : bands) {
             glBindBuffer(GL_DRAW_INDIRECT_BUFFER, band.commands.id());

@@ -12,7 +12,7 @@ class GlTextureVisibility final : public GlVisibility
 {
 public:
     /// `bandSamples`: the most samples whose ids go into one list.
-    explicit GlTextureVisibility(std::size_t bandSamples) : GlVisibility(bandSamples) {}
+    GlTextureVisibility(std::size_t bandSamples, GlTraffic& traffic) : GlVisibility(bandSamples, traffic) {}
 
     void bindForReading(const Band& band) override;
     /// For drawing into.

@@ -9,10 +9,10 @@ layout(std430, binding = 0) buffer Clock {
 };
 layout(std430, binding = 1) buffer Commands { Command commands[]; };  // count: as many as there are
 
-layout(location = 0) uniform uint commandCount;
-layout(location = 1) uniform uint groupPoints;
-layout(location = 2) uniform uint firstSlots;  // of the first run
-layout(location = 3) uniform uint budget;      // ns from times[0] on
+layout(location = AT_commandCount) uniform uint commandCount;
+layout(location = AT_groupPoints) uniform uint groupPoints;
+layout(location = AT_firstSlots) uniform uint firstSlots;  // of the first run
+layout(location = AT_budget) uniform uint budget;      // ns from times[0] on
 
 // A clock that goes backward, or takes seconds, says that there is no time.
 uint nanoseconds(uvec2 from, uvec2 to)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // LayerClip in render/raster/Backend.h, as useClip() sets it.
-layout(location = 22) uniform ivec3 clipLow;
-layout(location = 23) uniform ivec3 clipHigh;
-layout(location = 24) uniform int planeCount;  // -1: all is drawn
-layout(location = 48) uniform vec4 planes[10];
+layout(location = AT_clipLow) uniform ivec3 clipLow;
+layout(location = AT_clipHigh) uniform ivec3 clipHigh;
+layout(location = AT_planeCount) uniform int planeCount;  // -1: all is drawn
+layout(location = AT_planes) uniform vec4 planes[10];
 
 bool clipped(ivec3 position, vec3 q)
 {

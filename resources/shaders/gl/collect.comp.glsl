@@ -9,8 +9,8 @@ layout(std430, binding = 1) coherent buffer Commands { Command commands[]; };
 layout(std430, binding = 2) writeonly buffer List { uint list[]; };
 #endif
 
-layout(location = 0) uniform ivec4 band;  // first row, last row (excluded), width
-layout(location = 1) uniform uint chunkCount;
+layout(location = AT_band) uniform ivec4 band;  // first row, last row (excluded), width
+layout(location = AT_chunkCount) uniform uint chunkCount;
 
 bool pixelHas(ivec2 pixel, uint id)
 {

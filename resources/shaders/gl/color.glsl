@@ -7,8 +7,8 @@ layout(std430, binding = 4) readonly buffer Tables {
     uint noValue;
     uint background[];  // a color a row
 };
-layout(location = 25) uniform bool lit;  // NormalLook
-layout(location = 26) uniform vec3 light;
+layout(location = AT_lit) uniform bool lit;  // NormalLook
+layout(location = AT_light) uniform vec3 light;
 
 uvec4 unpack(uint color) { return uvec4(color, color >> 8, color >> 16, color >> 24) & 255u; }
 

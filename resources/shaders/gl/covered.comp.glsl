@@ -3,7 +3,7 @@
 layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(std430, binding = 0) coherent buffer Total { uint total; };
-layout(location = 0) uniform ivec4 band;  // first row, last row (excluded), width
+layout(location = AT_band) uniform ivec4 band;  // first row, last row (excluded), width
 shared uint inGroup;
 
 void main()

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What filters go by: a point's class in the low byte, 256 for a hidden point (GlPointCopy::Part::Groups).
-layout(location = 14) uniform uvec4 shownClasses[2];  // a bit a class
+layout(location = AT_shownClasses) uniform uvec4 shownClasses[2];  // a bit a class
 
 bool isShown(uint group)
 {

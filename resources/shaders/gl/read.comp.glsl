@@ -7,8 +7,8 @@ struct Sample {
     float depth;  // along the view direction
 };
 layout(std430, binding = 0) writeonly buffer Samples { Sample samples[]; };
-layout(location = 0) uniform ivec4 rectangle;  // x, y, width, height
-layout(location = 1) uniform ivec2 rows;       // of the picture: first, last (excluded)
+layout(location = AT_rectangle) uniform ivec4 rectangle;  // x, y, width, height
+layout(location = AT_rows) uniform ivec2 rows;       // of the picture: first, last (excluded)
 
 void main()
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Colors of the samples, summed by pixel: up to four chunks a run.
+// Colors of the samples, lit where EYE_DOME is defined, and summed by pixel: up to four chunks a run.
 layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(std430, binding = 0) readonly buffer Words0 { uint words0[]; };
@@ -9,14 +9,14 @@ layout(std430, binding = 3) readonly buffer Words3 { uint words3[]; };
 layout(rgba32ui, binding = 0) uniform uimage2D sums;  // red, green, blue times alpha, and alpha
 layout(r32ui, binding = 1) writeonly uniform uimage2D picture;  // a color packed as Rgba8
 
-layout(location = 0) uniform uvec4 firstIds;
-layout(location = 1) uniform uvec4 counts;  // 0: no such chunk
-layout(location = 2) uniform uvec4 kinds;   // WordKind, and 8 where selected points are marked
-layout(location = 3) uniform vec4 lows;
-layout(location = 4) uniform vec4 highs;
-layout(location = 5) uniform bool first;  // no sums yet
-layout(location = 6) uniform bool last;   // make the picture
-layout(location = 7) uniform ivec4 band;  // first row, last row (excluded), width
+layout(location = AT_firstIds) uniform uvec4 firstIds;
+layout(location = AT_counts) uniform uvec4 counts;  // 0: no such chunk
+layout(location = AT_kinds) uniform uvec4 kinds;   // WordKind, and 8 where selected points are marked
+layout(location = AT_lows) uniform vec4 lows;
+layout(location = AT_highs) uniform vec4 highs;
+layout(location = AT_first) uniform bool first;  // no sums yet
+layout(location = AT_last) uniform bool last;   // make the picture
+layout(location = AT_band) uniform ivec4 band;  // first row, last row (excluded), width
 
 #if SAMPLES == 1
 uvec4 weighted(uvec4 color) { return color; }
@@ -29,6 +29,10 @@ uvec4 average(uvec4 sum)
     if (sum.a == 0u) return uvec4(0u);
     return uvec4((sum.rgb + sum.a / 2u) / sum.a, (sum.a + uint(SAMPLES / 2)) / uint(SAMPLES));
 }
+#endif
+
+#ifndef EYE_DOME
+uvec4 shaded(uvec4 color, ivec2 pixel, int which) { return color; }
 #endif
 
 void main()
@@ -45,7 +49,7 @@ void main()
 #ifdef MEANS
         const uint mean = meanAt(pixel, s);
         if (mean != 0u) {
-            if (first) sum += weighted(unpack(mean));
+            if (first) sum += weighted(shaded(unpack(mean), pixel, s));
             continue;
         }
 #endif
@@ -67,7 +71,7 @@ void main()
         } else {
             continue;
         }
-        sum += weighted(colorOf(word, kinds[chunk], lows[chunk], highs[chunk]));
+        sum += weighted(shaded(colorOf(word, kinds[chunk], lows[chunk], highs[chunk]), pixel, s));
     }
     if (last) {
         const uvec4 color = average(sum);

@@ -4,8 +4,8 @@
 layout(local_size_x = 1) in;
 
 layout(std430, binding = 1) buffer Commands { Command commands[]; };
-layout(location = 1) uniform uint chunkCount;
-layout(location = 2) uniform uint groupPoints;  // of a work group
+layout(location = AT_chunkCount) uniform uint chunkCount;
+layout(location = AT_groupPoints) uniform uint groupPoints;  // of a work group
 
 void main()
 {

@@ -12,7 +12,7 @@ layout(std430, binding = 1) writeonly buffer Words { uint words[]; };
 #ifdef GROUPS
 layout(std430, binding = 2) coherent buffer Groups { uint groups[]; };  // two to a word
 #endif
-layout(location = 0) uniform uint count;
+layout(location = AT_count) uniform uint count;
 
 void main()
 {

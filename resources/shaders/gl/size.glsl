@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The size of a point in steps of 1/16 px, and which samples a circle covers (LayerProjection in
 // render/raster/Backend.h), as usePointSize() sets it.
-layout(location = 6) uniform ivec2 sizes;  // least and most
-layout(location = 17) uniform float sizeOverDepth;
-layout(location = 18) uniform bool circles;
+layout(location = AT_sizes) uniform ivec2 sizes;  // least and most
+layout(location = AT_sizeOverDepth) uniform float sizeOverDepth;
+layout(location = AT_circles) uniform bool circles;
 
 int sizeAt(float depth)
 {

@@ -5,7 +5,7 @@ layout(local_size_x = 256) in;
 layout(std430, binding = 0) readonly buffer RedGreen { uvec2 redGreen[]; };
 layout(std430, binding = 1) readonly buffer BlueCount { uvec2 blueCount[]; };
 layout(std430, binding = 2) writeonly buffer Means { uint means[]; };
-layout(location = 0) uniform uint cells;
+layout(location = AT_cells) uniform uint cells;
 
 void main()
 {

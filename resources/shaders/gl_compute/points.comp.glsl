@@ -19,8 +19,8 @@ layout(std430, binding = 1) readonly buffer Groups { uint groups[]; };  // two t
 layout(std430, binding = 2) readonly buffer Words { uint words[]; };
 layout(std430, binding = 3) coherent buffer RedGreen { uint redGreen[]; };    // sums, two to a cell
 layout(std430, binding = 7) coherent buffer BlueCount { uint blueCount[]; };  // sum and number of points
-layout(location = 27) uniform uint kind;  // of the layer, for colorOf()
-layout(location = 28) uniform vec2 range;
+layout(location = AT_kind) uniform uint kind;  // of the layer, for colorOf()
+layout(location = AT_range) uniform vec2 range;
 const uint kMostPoints = 1u << 24;  // the sums are full then
 #endif
 #ifdef LIST
@@ -28,9 +28,9 @@ layout(std430, binding = 2) readonly buffer List { uint list[]; };  // slots in 
 #endif
 #ifdef COMMANDS
 layout(std430, binding = 3) readonly buffer Commands { Command commands[]; };
-layout(location = 12) uniform uint chunk;
+layout(location = AT_chunk) uniform uint chunk;
 #else
-layout(location = 12) uniform uvec2 slots;  // first, last (excluded), in the chunk
+layout(location = AT_slots) uniform uvec2 slots;  // first, last (excluded), in the chunk
 #endif
 #if PASS == 2
 layout(std430, binding = 5) coherent buffer Cells { uint64_t cells[]; };
@@ -43,9 +43,9 @@ layout(std430, binding = 5) coherent buffer Ids { uint ids[]; };
 layout(std430, binding = 6) coherent buffer Depths { uint depths[]; };
 #endif
 
-layout(location = 7) uniform vec4 kept;       // points with lowX <= x < highX and lowY <= y < highY are drawn
-layout(location = 11) uniform uint firstId;   // of the chunk's first slot
-layout(location = 16) uniform ivec4 band;     // first row, last row (excluded), width
+layout(location = AT_kept) uniform vec4 kept;       // points with lowX <= x < highX and lowY <= y < highY are drawn
+layout(location = AT_firstId) uniform uint firstId;   // of the chunk's first slot
+layout(location = AT_band) uniform ivec4 band;     // first row, last row (excluded), width
 
 const uint kNoPoint = 0xFFFFFFFFu;
 const ivec2 kPlaces[SAMPLES] = ivec2[SAMPLES](SAMPLE_PLACES);

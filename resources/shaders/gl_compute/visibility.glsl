@@ -9,7 +9,7 @@ layout(std430, binding = 6) readonly buffer Depths { uint depths[]; };
 #ifdef MEANS
 layout(std430, binding = 7) readonly buffer Means { uint means[]; };
 #endif
-layout(location = 15) uniform ivec2 stored;  // first row, px of a row
+layout(location = AT_stored) uniform ivec2 stored;  // first row, px of a row
 
 const uint kNoPoint = 0xFFFFFFFFu;
 

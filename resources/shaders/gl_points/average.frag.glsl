@@ -6,10 +6,10 @@ flat in float depthSeen;
 layout(location = 0) out vec4 sum;  // color, and 1
 #ifdef CIRCLES
 flat in ivec3 square;  // left and top edge, and size, in steps of 1/16 px
-layout(location = 32) uniform ivec2 places[16];  // of the samples, steps from the pixel's corner
+layout(location = AT_places) uniform ivec2 places[16];  // of the samples, steps from the pixel's corner
 #endif
-layout(location = 27) uniform uint kind;  // of the layer, for colorOf()
-layout(location = 28) uniform vec2 range;
+layout(location = AT_kind) uniform uint kind;  // of the layer, for colorOf()
+layout(location = AT_range) uniform vec2 range;
 
 void main()
 {

@@ -6,8 +6,8 @@ flat in float depthValue;
 #endif
 #ifdef CIRCLES
 flat in ivec3 square;  // left and top edge, and size, in steps of 1/16 px
-layout(location = 31) uniform int samples;
-layout(location = 32) uniform ivec2 places[16];  // of the samples, steps from the pixel's corner
+layout(location = AT_samples) uniform int samples;
+layout(location = AT_places) uniform ivec2 places[16];  // of the samples, steps from the pixel's corner
 #endif
 
 void main()

@@ -10,10 +10,10 @@ layout(location = 1) in uint group;
 layout(location = 2) in uint word;
 #endif
 
-layout(location = 8) uniform vec2 pictureSize; // px
-layout(location = 9) uniform float margin;     // px between viewport and picture, at the left and at the top
-layout(location = 10) uniform float perPixel;  // clip units
-layout(location = 11) uniform uint firstId;    // of vertex 0
+layout(location = AT_pictureSize) uniform vec2 pictureSize; // px
+layout(location = AT_margin) uniform float margin;     // px between viewport and picture, at the left and at the top
+layout(location = AT_perPixel) uniform float perPixel;  // clip units
+layout(location = AT_firstId) uniform uint firstId;    // of vertex 0
 
 flat out uint id;
 #ifdef CIRCLES

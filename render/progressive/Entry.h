@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// What the parts of ProgressiveRenderer share; for them alone.
+#pragma once
+
+#include "render/progressive/ProgressiveRenderer.h"
+
+#include <chrono>
+
+namespace punctum::render
+{
+
+/// A frame always draws at least so many slots, whatever its time: it must come on.
+inline constexpr Slot kLeastRun = 65'536;
+
+/// Seconds of a clock that only goes forward.
+inline double now()
+{
+    using namespace std::chrono;
+    return duration<double>(steady_clock::now().time_since_epoch()).count();
+}
+
+/// One cloud of the view.
+struct ProgressiveRenderer::Entry {
+    std::shared_ptr<PointStore> store;
+    bool loading = true;
+    Slot cursor = 0;                 ///< next slot to draw; goes round
+    Slot drawn = 0;                  ///< slots drawn in this pass, which shows the present view
+    PointIndex filledAtStart = 0;    ///< points the store had when the pass began
+    Slot colored = 0;                ///< slots whose colors were added, see RasterBackend::addColors()
+    PointIndex filledAtRange = 0;    ///< points the store had when the range was last computed
+    double spacing = 0;              ///< pointSpacing() of ...
+    glm::dvec3 spacingStretch{0};    ///< ... this view and ...
+    PointIndex filledAtSpacing = 0;  ///< ... so many points
+
+    bool passDone() const noexcept { return drawn >= store->slotCount() || filledAtStart == 0; }
+    /// Of its slots, drawn in this pass.
+    double share() const noexcept { return double(drawn) / double(store->slotCount()); }
+    bool complete() const noexcept { return passDone() && filledAtStart == store->filled(); }
+};
+
+}  // namespace punctum::render
