@@ -4,6 +4,8 @@
 #include "app/Cli.h"
 #include "app/Console.h"
 #include "ui/MainWindow.h"
+#include "ui/ViewSettings.h"
+#include "ui/WindowSettings.h"
 
 #include <CLI/CLI.hpp>
 
@@ -102,6 +104,14 @@ bool given(const char* variable)
 }
 
 }  // namespace
+
+WindowLook windowLook()
+{
+    const ui::WindowSettings settings{QString()};
+    ui::ViewSettings view;
+    settings.restoreView(view);
+    return {view.display(), settings.backend().value_or(settings.fastestBackend().kind)};
+}
 
 int runWindowed(int argc, char** argv)
 {

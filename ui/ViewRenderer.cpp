@@ -345,7 +345,7 @@ void ViewRenderer::applyChoice(Thread& thread)
 void ViewRenderer::measureBackends(Thread& thread)
 {
     thread.measured = true;
-    const render::BackendMeasurement measurement = render::measureBackends(thread.fastest.device);
+    const render::BackendMeasurement measurement = render::measureBackends({thread.first().renderer->display(), false}, thread.fastest.device);
     if (thread.context) thread.context.makeCurrent();
     if (measurement.device == thread.fastest.device) return;
     thread.fastest = {measurement.fastest, measurement.device};

@@ -28,8 +28,8 @@ const QString kLayout = QStringLiteral("window/state");
 const QString kAppearance = QStringLiteral("window/appearance");
 const QString kBackend = QStringLiteral("view/drawWith");
 const QString kOrder = QStringLiteral("view/order");
-const QString kFastest = QStringLiteral("view/fastest");
-const QString kFastestDevice = QStringLiteral("view/fastestOn");
+const QString kFastest = QStringLiteral("view/fastestInMotion");
+const QString kFastestDevice = QStringLiteral("view/fastestInMotionOn");
 const QString kAutomatic = QStringLiteral("auto");
 const QString kPointSize = QStringLiteral("view/pointSize");
 const QString kSizing = QStringLiteral("view/sizing");
@@ -96,6 +96,11 @@ void WindowSettings::restore(QMainWindow& window, ViewSettings& view) const
     window.resize(std::min(1480, room.width() * 9 / 10), std::min(920, room.height() * 9 / 10));
     window.restoreGeometry(m_values.value(kGeometry).toByteArray());
     window.restoreState(m_values.value(kLayout).toByteArray(), kLayoutVersion);
+    restoreView(view);
+}
+
+void WindowSettings::restoreView(ViewSettings& view) const
+{
     view.setPointSize(m_values.value(kPointSize, 1.0).toDouble());
     view.setSizing(render::PointSizing(std::clamp(m_values.value(kSizing, 0).toInt(), 0, 2)));
     view.setWorldSize(m_values.value(kWorldSize, view.display().worldSize).toDouble());

@@ -35,6 +35,8 @@ public:
     explicit WindowSettings(const QString& file, RunInBackground inBackground = {});
 
     void restore(QMainWindow& window, ViewSettings& view) const;
+    /// How points are shown, alone.
+    void restoreView(ViewSettings& view) const;
     void store(const QMainWindow& window, const ViewSettings& view);
 
     Appearance appearance() const;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // punctum bench render: one pass over all points, a turn at a fixed budget, convergence, idleness.
 #include "app/Picture.h"
+#include "app/Window.h"
 #include "app/commands/Bench.h"
 #include "core/Error.h"
 #include "core/task/Progress.h"
 
 #include <ctime>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
@@ -22,7 +24,8 @@ constexpr double kTurn = std::numbers::pi;
 
 struct BenchRenderOptions : BenchOptions {
     std::string backend = "auto";
-    int samples = 1;
+    std::optional<int> samples;  ///< none: 1, or the window's
+    bool asWindow = false;
     std::string order = "stratified";
     double budget = 16.6;  ///< ms
     double budgetPoints = 0;
@@ -66,18 +69,33 @@ std::vector<double> measureOrbit(const Stage& stage, Figures& figures, Progress&
 {
     std::vector<double> times;
     std::vector<double> covered;
+    std::vector<double> reproject, fill, resolve, stream, up, down;
     stage.empty();
     for (int frame = 0; frame < kFrames; ++frame) {
         progress.check();
         const Clock clock;
         stage.renderer.setCamera(stage.turned(frame));
-        stage.renderer.renderFrame(stage.seconds());
+        const render::FrameReport report = stage.renderer.renderFrame(stage.seconds());
         times.push_back(clock.milliseconds());
+        if (frame > 0) {
+            reproject.push_back(report.passes.reproject * 1e3);
+            fill.push_back(report.passes.fill * 1e3);
+            resolve.push_back(report.passes.resolve * 1e3);
+            stream.push_back(report.passes.stream * 1e3);
+            up.push_back(double(report.bytesUp));
+            down.push_back(double(report.bytesDown));
+        }
         covered.push_back(stage.renderer.coveredShare());
     }
     figures.add("orbit.frame_ms", median(times));
     figures.add("orbit.frame_ms_p95", percentile(times, 0.95));
     figures.add("orbit.frame_ms_max", percentile(times, 1.0));
+    figures.add("passes.reproject", median(reproject));
+    figures.add("passes.fill", median(fill));
+    figures.add("passes.resolve", median(resolve));
+    figures.add("passes.stream", median(stream));
+    figures.add("bytes_up", median(up));
+    figures.add("bytes_down", median(down));
     return covered;
 }
 
@@ -103,13 +121,16 @@ void measureConvergence(const Stage& stage, Figures& figures, Progress& progress
 
 void runBenchRender(const BenchRenderOptions& options, Progress& progress)
 {
-    HeadlessRenderer headless(options.backend);
+    const WindowLook look = options.asWindow ? windowLook() : WindowLook();
+    const bool windowChooses = options.asWindow && options.backend == "auto";
+    HeadlessRenderer headless(windowChooses ? std::string(render::nameOf(look.backend)) : options.backend);
     render::ProgressiveRenderer& renderer = headless.renderer();
     const DrawableCloud cloud = loadDrawable(
         options.file, progress, render::orderFromName(options.order).value_or(render::OrderKind::Stratified));
     const auto points = double(cloud.cloud->size());
-    render::DisplaySettings display;
-    display.samples = options.samples;
+    render::DisplaySettings display = look.display;
+    if (options.samples) display.samples = *options.samples;
+    renderer.keepOnDevice(options.asWindow);
     show(renderer, cloud, options.size.width, options.size.height, display);
     const Stage stage{renderer, options, benchCamera(cloud, options.size.width, options.size.height)};
     renderer.setPointsAFrame(PointIndex(options.budgetPoints));
@@ -120,7 +141,10 @@ void runBenchRender(const BenchRenderOptions& options, Progress& progress)
     figures.fact("backend", render::nameOf(renderer.backend().kind()));
     figures.fact("device", renderer.backend().description());
     figures.fact("size", sizeText(options.size));
-    figures.fact("samples", options.samples);
+    figures.fact("samples", display.samples);
+    figures.fact("as_window", options.asWindow);
+    figures.fact("eye_dome", display.eyeDome > 0);
+    figures.fact("holes_closed", display.fillHoles);
     std::vector<std::vector<double>> covered;
     for (int round = 0; round < options.rounds; ++round) {
         measureBruteForce(stage, points, figures);
@@ -160,9 +184,11 @@ void addBenchRender(CLI::App& bench, Action& action)
     addBenchOptions(command, *options);
     addBackendOption(command, options->backend);
     addSize(command, options->size);
-    command.add_option("--samples", options->samples, "Samples a pixel: 1, 4, 8 or 16; default 1")
+    command.add_option("--samples", options->samples, "Samples a pixel: 1, 4, 8 or 16; default 1, or the window's")
         ->type_name("N")
         ->check(CLI::IsMember({1, 4, 8, 16}));
+    command.add_flag("--as-window", options->asWindow,
+                     "Draw with what the window does: its settings, holes closed, pictures kept on the device");
     command.add_option("--order", options->order, "Order of drawing: stratified (the default) or prime")
         ->type_name("NAME")
         ->check(CLI::IsMember({"stratified", "prime"}));

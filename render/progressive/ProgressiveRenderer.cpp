@@ -59,6 +59,8 @@ ProgressiveRenderer::~ProgressiveRenderer() = default;
 void ProgressiveRenderer::setBackend(std::unique_ptr<RasterBackend> backend)
 {
     m_backend = std::move(backend);
+    m_imageThere = true;
+    m_onDevice = false;
     m_cost.reset();
     m_colorCost.reset();
     m_resolveSeconds = 0;

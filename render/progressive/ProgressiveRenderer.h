@@ -107,8 +107,10 @@ public:
     /// Pictures stay on the device, where the backend has one, until image() or copyPicture() asks for them. Off at
     /// first.
     void keepOnDevice(bool keep) noexcept { m_keepOnDevice = keep; }
-    /// Whether the last picture is on the device alone.
-    bool onDevice() const noexcept { return !m_imageThere; }
+    /// Whether the last picture stayed on the device.
+    bool onDevice() const noexcept { return m_onDevice; }
+    /// Whether a picture was made.
+    bool hasPicture() const noexcept { return m_onDevice || m_image.width > 0; }
     /// Copies it to an RGBA8 texture of the picture's size, row 0 at the top, and waits for that; false where it is
     /// not on the device.
     bool copyPicture(unsigned texture);
@@ -163,6 +165,7 @@ private:
     std::pair<double, double> m_range{0.0, 1.0};
     Image m_image;
     bool m_imageThere = true;  ///< else it is on the device alone
+    bool m_onDevice = false;
     bool m_keepOnDevice = false;
     FrameReport::Passes m_passes;  ///< of this frame
     FrameCostModel m_cost;         ///< of drawing

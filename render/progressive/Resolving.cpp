@@ -38,7 +38,8 @@ void ProgressiveRenderer::resolveImage(ResolveSettings settings)
     double started = now();
     // Sums of other colors than those of now are not shown, whatever has changed.
     settings.means = m_display.averaged && m_colors == settings.ofPoints();
-    m_imageThere = !m_keepOnDevice || !m_backend->keepsPicture();
+    m_onDevice = m_keepOnDevice && m_backend->keepsPicture();
+    m_imageThere = !m_onDevice;
     if (m_imageThere)
         m_backend->resolve(m_scene, settings, m_image);
     else
@@ -66,7 +67,7 @@ const Image& ProgressiveRenderer::image()
 
 bool ProgressiveRenderer::copyPicture(unsigned texture)
 {
-    if (m_imageThere || m_targetChanged) return false;
+    if (!m_onDevice || m_targetChanged) return false;
     m_backend->copyPicture(texture);
     m_backend->finish();
     return true;

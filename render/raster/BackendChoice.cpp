@@ -2,12 +2,11 @@
 #include "render/raster/BackendChoice.h"
 
 #include "core/Error.h"
-#include "render/camera/Projection.h"
 #include "render/gl/EglContext.h"
 #include "render/gl/GlObjects.h"
+#include "render/progressive/ProgressiveRenderer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 
 namespace punctum::render
@@ -18,17 +17,14 @@ namespace
 
 /// Enough that starting a draw does not count, few enough for a software renderer.
 constexpr PointIndex kPoints = 1 << 19;
-constexpr TargetSize kSize{1280, 800, 1};
-/// Passes over the points; a picture is made after the last, as it is in a frame.
-constexpr int kPasses = 4;
+constexpr int kWidth = 1280, kHeight = 800;
+/// Drawn in each frame beside what was visible: some, so that there are holes.
+constexpr PointIndex kFramePoints = kPoints / 4;
+constexpr double kTurn = 0.02;  ///< radians a frame
+constexpr int kMostFrames = 20;
+constexpr double kEnough = 0.2;  ///< s of frames
 /// A device must be so much faster than the processor: points have to be brought to it, and pictures back.
 constexpr double kWorthwhile = 1.2;
-
-double now()
-{
-    using namespace std::chrono;
-    return duration<double>(steady_clock::now().time_since_epoch()).count();
-}
 
 /// A rough square, its points in no order.
 std::shared_ptr<PointStore> makeStore()
@@ -59,42 +55,46 @@ std::shared_ptr<PointStore> makeStore()
     return store;
 }
 
-/// Points a second; less than `least` is found out early, and then inexactly.
-double measure(RasterBackend& backend, const PointStore& store, double least)
+/// Points a second, of frames in motion; less than `least` is found out early, and then inexactly.
+double measure(BackendKind kind, const std::shared_ptr<PointStore>& store, const MeasuredLook& look, double least)
 {
+    DisplaySettings display = look.display;
+    display.attribute.clear();
+    display.range.reset();
+    display.clip = {};
+    display.classVisible.fill(true);
+    display.averaged = false;                                                         // frames in motion never are
+    if (display.sizing == PointSizing::World) display.sizing = PointSizing::Density;  // a length in this cloud
     Camera camera;
     camera.setView("iso");
-    camera.fit(store.cloud().coordinates().toWorld(store.bounds()), {kSize.width, kSize.height});
-    FrameScene scene;
-    scene.layers.push_back({&store, 0, makeProjection(camera, store, kSize)});
-    scene.classVisible.fill(true);
-    scene.allClassesVisible = true;
-    ResolveSettings settings;
-    settings.layers.resize(1);
-    Image image;
-    backend.setTarget(kSize);
-    const auto pass = [&](Slot slots) {
-        const double started = now();
-        backend.clear();
-        backend.draw(scene, 0, {0, slots});
-        backend.finish();
-        return double(slots) / (now() - started);
+    camera.fit(store->cloud().coordinates().toWorld(store->bounds()), {kWidth, kHeight});
+    ProgressiveRenderer renderer(makeBackend(kind));
+    renderer.keepOnDevice(look.keepOnDevice);
+    renderer.setDisplay(display);
+    renderer.setSize(kWidth, kHeight);
+    renderer.addCloud(store);
+    renderer.loadingEnded(store->cloud(), store->bounds());
+    renderer.setPointsAFrame(kFramePoints);
+    double seconds = 0;
+    const auto frame = [&] {
+        camera.orbit(kTurn, 0.0);
+        renderer.setCamera(camera);
+        const FrameReport report = renderer.renderFrame(1.0);
+        seconds += report.seconds;
+        return report.filled;
     };
-    // The first times bring points to the device and compile shaders.
-    const Slot few = std::min<Slot>(store.slotCount(), PointStore::kBlockSlots);
-    pass(few);
-    if (const double rate = pass(few); rate < least / 4) return rate;
-    pass(store.slotCount());
-    backend.resolve(scene, settings, image);
-    const double started = now();
-    for (int k = 0; k < kPasses; ++k) pass(store.slotCount());
-    backend.resolve(scene, settings, image);
-    return double(kPoints) * kPasses / (now() - started);
+    // The first brings points to the device and compiles shaders.
+    frame();
+    seconds = 0;
+    PointIndex drawn = frame();
+    if (double(drawn) / seconds < least / 4) return double(drawn) / seconds;
+    for (int k = 0; k < 2 || (k < kMostFrames && seconds < kEnough); ++k) drawn += frame();
+    return double(drawn) / seconds;
 }
 
 }  // namespace
 
-BackendMeasurement measureBackends(const std::optional<std::string>& knownDevice)
+BackendMeasurement measureBackends(const MeasuredLook& look, const std::optional<std::string>& knownDevice)
 {
     BackendMeasurement result;
     EglContext context;
@@ -111,7 +111,7 @@ BackendMeasurement measureBackends(const std::optional<std::string>& knownDevice
     for (const BackendKind kind : kBackendKinds) {
         if (needsGl(kind) && result.device.empty()) continue;
         try {
-            const double rate = measure(*makeBackend(kind), *store, best);
+            const double rate = measure(kind, store, look, best);
             result.rates.push_back({kind, rate});
             if (best == 0 || rate > best * (result.fastest == BackendKind::Cpu ? kWorthwhile : 1.0)) {
                 best = rate;

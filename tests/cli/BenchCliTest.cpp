@@ -65,6 +65,34 @@ private slots:
         QVERIFY(figures["orbit"]["coverage"]["max"].toDouble() <= 1.001);
         QCOMPARE(figures["idle_frames"]["max"].toInt(), 0);
         QCOMPARE(figures["backend"].toString(), QString("cpu"));
+        for (const char* key : {"reproject", "fill", "resolve"})
+            QVERIFY2(isFigure(figures["passes"][key], 1e-6), key);
+        QCOMPARE(figures["passes"]["stream"]["max"].toDouble() < 10, true);
+        QCOMPARE(figures["bytes_up"]["max"].toInt(), 0);
+        QCOMPARE(figures["bytes_down"]["max"].toInt(), 0);
+        QCOMPARE(figures["holes_closed"].toBool(), false);
+    }
+
+    // What the window draws with: holes are closed, and with OpenGL no picture comes back.
+    void measuresTheWindow_data()
+    {
+        QTest::addColumn<QString>("backend");
+        for (const char* backend : {"cpu", "gl-compute", "gl-points"}) QTest::newRow(backend) << backend;
+    }
+    void measuresTheWindow()
+    {
+        QFETCH(QString, backend);
+        const Outcome run =
+            runPunctum({"bench", "render", path("in.las"), "--json", "--rounds", "1", "--size", "160x100",
+                        "--budget-points", "20000", "--backend", backend, "--as-window"});
+        if (run.exitCode != 0 && run.err.contains("OpenGL")) QSKIP("This machine has no OpenGL.");
+        PUNCTUM_EXIT(run, 0);
+        const QJsonObject figures = run.json().object();
+        QCOMPARE(figures["backend"].toString(), backend);
+        QVERIFY(figures["as_window"].toBool() && figures["holes_closed"].toBool());
+        for (const char* key : {"reproject", "fill", "resolve"})
+            QVERIFY2(isFigure(figures["passes"][key], 1e-6), key);
+        QVERIFY(figures["bytes_down"]["max"].toDouble() <= (backend == "cpu" ? 0 : 64));
     }
 
     void measuresTheRest_data()
@@ -82,8 +110,8 @@ private slots:
         QTest::newRow("order") << QStringList{"order", "--size", "320x200"} << QStringList{};
         QTest::newRow("edit") << QStringList{"edit"} << QStringList{"points_changed", "visible_ms", "undo_ms"};
         QTest::newRow("select") << QStringList{"select"}
-                                << QStringList{"polygon_ms", "shown_ms", "rule_mpts_per_s", "brush.frame_ms",
-                                               "brush.frame_ms_p95", "brush.behind_ms"};
+                                << QStringList{"polygon_ms",     "shown_ms",           "rule_mpts_per_s",
+                                               "brush.frame_ms", "brush.frame_ms_p95", "brush.behind_ms"};
         QTest::newRow("process") << QStringList{"process", "--step", "reclassify attribute=Z min=0 max=1 class=2"}
                                  << QStringList{"seconds", "mpts_per_s"};
     }
