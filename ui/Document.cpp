@@ -53,20 +53,17 @@ const Attribute* Document::findAttribute(const QString& name) const
 
 QString Document::coordinateUnit() const
 {
-    const Attribute* const x = findAttribute(QStringLiteral("X"));
-    return x == nullptr ? QString() : toQString(x->unit);
+    return toQString(source().units.horizontal);
 }
 
 QString Document::lengthUnit() const
 {
-    const QString unit = coordinateUnit();
-    return unit == QLatin1String("deg") ? QStringLiteral("m") : unit;
+    return toQString(trueLengths(source().units, {}).unit);
 }
 
 glm::dvec3 Document::viewStretch(const WorldBounds& bounds) const
 {
-    const Attribute *const x = findAttribute(QStringLiteral("X")), *const z = findAttribute(QStringLiteral("Z"));
-    return x && z ? render::viewStretch(x->unit, z->unit, bounds) : glm::dvec3(1.0);
+    return trueLengths(source().units, bounds).stretch;
 }
 
 const AttributeFigures* Document::figures(const QString& name) const

@@ -84,11 +84,12 @@ public:
     /// Attributes at present; a copy, so that no lock is needed.
     const std::vector<Attribute>& attributes() const noexcept { return m_attributes; }
     const Attribute* findAttribute(const QString& name) const;
-    /// Of X and Y: "m", "ft" or "deg"; empty when not known.
+    /// Of X and Y: "m", "ft", "deg"; empty when not known.
     QString coordinateUnit() const;
-    /// Of lengths as they are drawn and measured: meters where the coordinates are in degrees.
+    /// Of lengths as they are drawn and measured: meters where the coordinates are in degrees; empty when not
+    /// known.
     QString lengthUnit() const;
-    /// Of cameras that look at this document within `bounds`: render::viewStretch().
+    /// Of cameras that look at this document within `bounds`: trueLengths().
     glm::dvec3 viewStretch(const WorldBounds& bounds) const;
     /// Points that an edit deleted; null: none. Views and tools leave them alone, saving leaves them out.
     const std::shared_ptr<const PointSet>& deleted() const noexcept { return m_deleted; }

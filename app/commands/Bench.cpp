@@ -123,7 +123,7 @@ render::Camera benchCamera(const DrawableCloud& cloud, int width, int height)
     render::Camera camera;
     camera.setView("iso");
     const WorldBounds box = cloud.cloud->coordinates().toWorld(cloud.bounds);
-    camera.stretch = render::viewStretch(*cloud.cloud, box);
+    camera.stretch = trueLengths(*cloud.cloud, box).stretch;
     camera.fit(box, {width, height});
     return camera;
 }

@@ -160,7 +160,7 @@ void measureFirstImage(const std::string& file, Figures& figures, Progress& prog
     renderer.addCloud(store);
     render::Camera camera;
     camera.setView("iso");
-    camera.stretch = render::viewStretch(*cloud, reader->source()->firstBounds);
+    camera.stretch = trueLengths(*cloud, reader->source()->firstBounds).stretch;
     camera.fit(reader->source()->firstBounds, {kWidth, kHeight});
     renderer.setCamera(camera);
 

@@ -213,7 +213,7 @@ void runRender(const RenderRequest& request, Progress& progress)
     display.bands = options.bands;
     display.backgroundTop = request.background.top;
     display.backgroundBottom = request.background.bottom;
-    const glm::dvec3 stretch = render::viewStretch(*clouds.front().cloud, bounds);
+    const glm::dvec3 stretch = trueLengths(*clouds.front().cloud, bounds).stretch;
     std::optional<Section> section = request.section;
     Clip clip = request.clip;
     if (section) {

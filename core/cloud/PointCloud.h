@@ -4,6 +4,7 @@
 #include "core/cloud/Attribute.h"
 #include "core/cloud/DecimalScale.h"
 #include "core/cloud/PointSet.h"
+#include "core/cloud/Units.h"
 
 #include <glm/vec3.hpp>
 
@@ -112,6 +113,9 @@ public:
 
     PointIndex size() const noexcept { return m_size; }
     const CoordinateScale& coordinates() const noexcept { return m_coordinates; }
+    /// Of the coordinates; set when the cloud is made, before other threads see it. See trueLengths().
+    const CoordinateUnits& units() const noexcept { return m_units; }
+    void setUnits(CoordinateUnits units) { m_units = std::move(units); }
 
     // -- columns and attributes; the first columns follow the file's record, added ones come after
     const std::vector<std::shared_ptr<Column>>& columns() const noexcept { return m_columns; }
@@ -168,6 +172,7 @@ private:
     PointIndex m_size;
     CoordinateScale m_coordinates;
     std::array<DecimalScale, 3> m_steps;
+    CoordinateUnits m_units;
     std::vector<std::shared_ptr<Column>> m_columns;
     std::vector<Attribute> m_attributes;
     std::shared_ptr<const PointSet> m_deleted;

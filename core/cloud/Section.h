@@ -14,7 +14,7 @@ namespace punctum
 /// An upright slab about a line on the map: what a section view shows, as one looks at it with `from` on the left
 /// and `to` on the right. A value.
 ///
-/// Places are in `world`. Lengths are in view units, which are world units times `stretch` (render::viewStretch()):
+/// Places are in `world`. Lengths are in view units, which are world units times `stretch` (trueLengths()):
 /// meters in files of degrees.
 struct Section {
     glm::dvec2 from{0.0}, to{0.0};

@@ -71,6 +71,7 @@ std::shared_ptr<PointCloud> extracted(const PointCloud& cloud, const PointSet& w
         }
         part->addAttribute(std::move(attribute));
     }
+    part->setUnits(cloud.units());
     if (cloud.source()) part->setSource(forPart(*cloud.source()));
     return part;
 }

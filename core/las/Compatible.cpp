@@ -372,6 +372,7 @@ std::shared_ptr<PointCloud> nativeCloud(const PointCloud& cloud, std::optional<s
     for (const Attribute& a : cloud.attributes())
         if (!a.standard) native->addAttribute(a);
     native->setDeleted(cloud.deleted());
+    native->setUnits(cloud.units());
     native->setSource(std::move(source));
     return native;
 }

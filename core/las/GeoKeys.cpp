@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "core/las/GeoKeys.h"
 
+#include "core/las/Proj.h"
 #include "core/las/SourceFile.h"
 
-#include <proj.h>
-
 #include <algorithm>
-#include <memory>
+#include <cstring>
 
 namespace punctum::las
 {
@@ -14,64 +13,32 @@ namespace punctum::las
 namespace
 {
 
-struct FreeContext {
-    void operator()(PJ_CONTEXT* c) const { proj_context_destroy(c); }
-};
-struct FreeObject {
-    void operator()(PJ* p) const { proj_destroy(p); }
-};
-using Context = std::unique_ptr<PJ_CONTEXT, FreeContext>;
-using Object = std::unique_ptr<PJ, FreeObject>;
-
 constexpr std::uint16_t kMetre = 9001, kFoot = 9002, kSurveyFoot = 9003;
-
-Object fromCode(PJ_CONTEXT* context, std::uint16_t code)
-{
-    return Object(
-        proj_create_from_database(context, "EPSG", std::to_string(code).c_str(), PJ_CATEGORY_CRS, 0, nullptr));
-}
-
-/// EPSG code of the unit of the first axis; 0 when it has none.
-std::uint16_t unitOf(PJ_CONTEXT* context, const PJ* crs)
-{
-    const Object system(proj_crs_get_coordinate_system(context, crs));
-    const char* code = nullptr;
-    if (!system ||
-        !proj_cs_get_axis_info(context, system.get(), 0, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr,
-                               &code) ||
-        code == nullptr)
-        return 0;
-    unsigned unit = 0;
-    for (const char* p = code; *p >= '0' && *p <= '9' && unit < 100000; ++p) unit = unit * 10 + unsigned(*p - '0');
-    return unit <= UINT16_MAX ? std::uint16_t(unit) : std::uint16_t(0);
-}
-
-/// GeoTIFF 1.0 named vertical systems by codes that EPSG has for their datums; the unit tells the system.
-std::uint16_t verticalCode(std::uint16_t code, std::uint16_t unit)
-{
-    struct Old {
-        std::uint16_t code, unit, system;
-    };
-    constexpr Old kOld[] = {{5103, kMetre, 5703}, {5103, 0, 5703},           {5103, kSurveyFoot, 6360},
-                            {5103, kFoot, 8228},  {5102, kSurveyFoot, 5702}, {5102, kMetre, 7968}};
-    for (const Old& old : kOld)
-        if (old.code == code && old.unit == unit) return old.system;
-    return code;
-}
 
 }  // namespace
 
-GeoKeys::GeoKeys(const Vlr& keys, const Vlr* ascii)
+GeoKeys::GeoKeys(const Vlr& keys, const Vlr* ascii, const Vlr* doubles)
 {
     m_words.resize(keys.data.size() / 2);
     if (!m_words.empty()) std::memcpy(m_words.data(), keys.data.data(), m_words.size() * 2);
     if (ascii != nullptr) m_ascii.assign(reinterpret_cast<const char*>(ascii->data.data()), ascii->data.size());
+    if (doubles != nullptr) {
+        m_doubles.resize(doubles->data.size() / sizeof(double));
+        if (!m_doubles.empty())
+            std::memcpy(m_doubles.data(), doubles->data.data(), m_doubles.size() * sizeof(double));
+    }
 }
 
 std::uint16_t GeoKeys::number(std::uint16_t id) const
 {
     const std::uint16_t* key = find(id);
     return key != nullptr && key[1] == 0 ? key[3] : std::uint16_t(0);
+}
+
+double GeoKeys::real(std::uint16_t id) const
+{
+    const std::uint16_t* key = find(id);
+    return key != nullptr && key[1] == geo::kDoublesId && key[3] < m_doubles.size() ? m_doubles[key[3]] : 0.0;
 }
 
 std::string GeoKeys::text(std::uint16_t id) const
@@ -94,31 +61,41 @@ const std::uint16_t* GeoKeys::find(std::uint16_t id) const
     return nullptr;
 }
 
+std::uint16_t verticalSystem(std::uint16_t code, std::uint16_t unit) noexcept
+{
+    struct Old {
+        std::uint16_t code, unit, system;
+    };
+    constexpr Old kOld[] = {{5103, kMetre, 5703}, {5103, 0, 5703},           {5103, kSurveyFoot, 6360},
+                            {5103, kFoot, 8228},  {5102, kSurveyFoot, 5702}, {5102, kMetre, 7968}};
+    for (const Old& old : kOld)
+        if (old.code == code && old.unit == unit) return old.system;
+    return code;
+}
+
 std::string wktOf(const GeoKeys& keys, std::string& name)
 {
-    const Context context(proj_context_create());
+    const proj::Context context = proj::makeContext();
     if (!context) return {};
-    proj_log_level(context.get(), PJ_LOG_NONE);
-    proj_context_set_enable_network(context.get(), 0);
 
     const bool geographic = keys.geographic();
     const std::uint16_t code = keys.number(geographic ? geo::kGeographicType : geo::kProjectedType);
     if (!keys.sound() || code == 0 || code == geo::kUserDefined) return {};
-    Object crs = fromCode(context.get(), code);
+    proj::Object crs = proj::fromCode(context.get(), code);
     if (!crs) return {};
     const PJ_TYPE type = proj_get_type(crs.get());
     if (type != (geographic ? PJ_TYPE_GEOGRAPHIC_2D_CRS : PJ_TYPE_PROJECTED_CRS)) return {};
-    const std::uint16_t unit = unitOf(context.get(), crs.get());
+    const std::uint16_t unit = proj::unitOfAxis(context.get(), crs.get(), 0).code;
     const std::uint16_t stated = keys.number(geo::kLinearUnits);
     if (!geographic && stated != 0 && stated != unit) return {};
 
     const std::uint16_t vertical = keys.number(geo::kVerticalType);
     const std::uint16_t verticalUnit = keys.number(geo::kVerticalUnits);
     if (vertical != 0) {
-        const std::uint16_t heightCode = verticalCode(vertical, verticalUnit);
-        const Object height = fromCode(context.get(), heightCode);
+        const std::uint16_t heightCode = verticalSystem(vertical, verticalUnit);
+        const proj::Object height = proj::fromCode(context.get(), heightCode);
         if (!height || proj_get_type(height.get()) != PJ_TYPE_VERTICAL_CRS) return {};
-        if (verticalUnit != 0 && verticalUnit != unitOf(context.get(), height.get())) return {};
+        if (verticalUnit != 0 && verticalUnit != proj::unitOfAxis(context.get(), height.get(), 0).code) return {};
         const std::string both = "EPSG:" + std::to_string(code) + "+" + std::to_string(heightCode);
         crs.reset(proj_create(context.get(), both.c_str()));
         if (!crs) return {};

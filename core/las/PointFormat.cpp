@@ -91,7 +91,6 @@ void addCoordinates(LayoutMaker& make, const CoordinateScale& coordinates)
         a.scaled = true;
         a.scale = coordinates.scale[k];
         a.offset = coordinates.offset[k];
-        a.unit = "m";
     }
 }
 

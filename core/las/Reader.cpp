@@ -123,6 +123,7 @@ std::shared_ptr<PointCloud> Reader::createCloud() const
 {
     auto cloud = std::make_shared<PointCloud>(m_source->pointCount, m_source->coordinates);
     makeColumns(*cloud, m_source->layout);
+    cloud->setUnits(m_source->units);
     cloud->setSource(m_source);
     return cloud;
 }

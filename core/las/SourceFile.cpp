@@ -58,6 +58,13 @@ const Vlr* SourceFile::findVlr(std::string_view user, std::uint16_t id) const
     return nullptr;
 }
 
+void SourceFile::setUnits(const CoordinateUnits& coordinateUnits)
+{
+    units = coordinateUnits;
+    layout.attributes[0].unit = layout.attributes[1].unit = units.horizontal;
+    layout.attributes[2].unit = units.vertical;
+}
+
 std::vector<const Vlr*> SourceFile::extraBytesRecords() const
 {
     std::vector<const Vlr*> records;
@@ -124,10 +131,10 @@ std::shared_ptr<SourceFile> makeSource(std::uint8_t format, std::span<const Extr
     source->coordinates = coordinates;
     const auto records = source->extraBytesRecords();
     source->layout = makeLayout(format, std::uint16_t(length), records, coordinates, source->warnings);
-    const CrsInfo crs = readCrs(*source);
-    source->crs = crs.text;
-    source->layout.attributes[0].unit = source->layout.attributes[1].unit = crs.horizontalUnit;
-    source->layout.attributes[2].unit = crs.verticalUnit;
+    CrsInfo crs = readCrs(*source);
+    source->crs = std::move(crs.text);
+    for (std::string& sentence : crs.warnings) source->warnings.push_back(std::move(sentence));
+    source->setUnits(crs.units);
     return source;
 }
 

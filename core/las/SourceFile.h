@@ -109,6 +109,7 @@ struct SourceFile {
     CoordinateScale coordinates;  ///< scale 1, offset 0 where the header's are unusable (then warned of)
     WorldBounds firstBounds;      ///< a first idea of the extent, from header and sampled records
     RawBounds sampledBounds;      ///< of the sampled records
+    CoordinateUnits units;        ///< of the coordinates, as the coordinate system says
     std::string crs;              ///< WKT or a line on the GeoTIFF keys; empty when there is none
 
     std::vector<std::string> warnings;  ///< one sentence each, for the user
@@ -118,6 +119,8 @@ struct SourceFile {
     std::shared_ptr<Guarded<PointsAsRead>> asRead = std::make_shared<Guarded<PointsAsRead>>();
     std::shared_ptr<Guarded<CurrentFile>> current = std::make_shared<Guarded<CurrentFile>>();
 
+    /// Of the coordinates, and of the attributes X, Y and Z.
+    void setUnits(const CoordinateUnits& coordinateUnits);
     const Vlr* findVlr(std::string_view user, std::uint16_t id) const;  ///< VLRs, then EVLRs
     /// All Extra Bytes records, VLRs then EVLRs, in file order.
     std::vector<const Vlr*> extraBytesRecords() const;

@@ -55,8 +55,8 @@ public:
         m_s.layout =
             makeLayout(m_s.header.pointFormat(), m_s.header.recordLength(), records, m_s.coordinates, m_s.warnings);
         useCompatibility(m_s, m_s.layout, m_s.warnings);
-        describe();
         sample();
+        describe();
         for (const std::string& sentence : unfinishedSaves(m_s.path)) warn(sentence);
         m_parsed.source = m_source;
         return std::move(m_parsed);
@@ -319,12 +319,10 @@ private:
 
     void describe()
     {
-        const CrsInfo crs = readCrs(m_s);
-        m_s.crs = crs.text;
-        m_s.layout.attributes[0].unit = m_s.layout.attributes[1].unit = crs.horizontalUnit;
-        m_s.layout.attributes[2].unit = crs.verticalUnit;
-        if (crs.unreadable)
-            warn("The record on the coordinate system cannot be understood; the system is unknown.");
+        CrsInfo crs = readCrs(m_s);
+        m_s.crs = std::move(crs.text);
+        for (const std::string& sentence : crs.warnings) warn(sentence);
+        m_s.setUnits(likelyUnits(crs.units, m_s.coordinates, m_s.firstBounds, m_s.warnings));
         if (isExtendedFormat(m_s.layout.format) && !m_s.header.says(encoding::kWkt))
             warn("Point format " + text(m_s.layout.format) +
                  " asks for a coordinate system in WKT, but the file does not announce one.");

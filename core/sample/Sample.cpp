@@ -14,11 +14,14 @@
 #include <bit>
 #include <cmath>
 
-namespace punctum {
+namespace punctum
+{
 
-namespace sample {
+namespace sample
+{
 
-namespace {
+namespace
+{
 
 constexpr double kDensity = 10.0;           ///< points a square metre, overlaps included
 constexpr double kSpeed = 60.0;             ///< of the aircraft, m/s
@@ -59,7 +62,10 @@ double decibels(double v)
     return (exponent * 0.6931471805599453 + ln) * 4.3429448190325175;
 }
 
-std::uint16_t sixteenBit(double v) { return std::uint16_t(std::clamp(v, 0.0, 1.0) * 65535.0); }
+std::uint16_t sixteenBit(double v)
+{
+    return std::uint16_t(std::clamp(v, 0.0, 1.0) * 65535.0);
+}
 
 /// The columns that a point is written to.
 struct Columns {
@@ -147,7 +153,8 @@ void sharePoints(FlightPlan& plan, const Scene& scene, PointIndex points, std::u
 }
 
 /// Flies one block: scan lines, to and fro, whose distance is steered so that the points are used up at its end.
-class BlockFlight {
+class BlockFlight
+{
 public:
     BlockFlight(const FlightPlan& plan, const FlightPlan::Block& block, const Scene& scene, const Columns& columns,
                 std::uint64_t seed)
@@ -253,6 +260,7 @@ std::shared_ptr<PointCloud> makeSample(PointIndex points, std::uint64_t seed, Pr
     auto source = las::makeSource(7, extra, coordinates, kWkt, points);
     auto cloud = std::make_shared<PointCloud>(points, coordinates);
     las::makeColumns(*cloud, source->layout);
+    cloud->setUnits(source->units);
     cloud->setSource(std::move(source));
     if (points == 0) return cloud;
 

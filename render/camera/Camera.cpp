@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <shared_mutex>
 
 namespace punctum::render
 {
@@ -176,27 +175,6 @@ Camera sectionCamera(const Section& section, double low, double high, glm::dvec2
     camera.stretch = section.stretch * glm::dvec3(1.0, 1.0, exaggeration);
     camera.fit(section.box(low, high), sizePx);
     return camera;
-}
-
-glm::dvec3 viewStretch(std::string_view horizontalUnit, std::string_view verticalUnit,
-                       const WorldBounds& bounds) noexcept
-{
-    const auto meters = [](std::string_view unit) { return unit == "ft" ? 0.3048 : 1.0; };
-    if (horizontalUnit != "deg") return {1.0, 1.0, meters(verticalUnit) / meters(horizontalUnit)};
-    if (bounds.empty()) return glm::dvec3(1.0);
-    // Radii of curvature of the ellipsoid along the meridian and across it (any textbook of geodesy).
-    constexpr double kEquator = 6378137.0, kEccentricity2 = 0.00669437999014, kDegree = std::numbers::pi / 180.0;
-    const double latitude = std::clamp((bounds.min.y + bounds.max.y) / 2, -89.0, 89.0) * kDegree;
-    const double sine = std::sin(latitude), root = std::sqrt(1.0 - kEccentricity2 * sine * sine);
-    const double across = kEquator / root, along = kEquator * (1.0 - kEccentricity2) / (root * root * root);
-    return {across * std::cos(latitude) * kDegree, along * kDegree, meters(verticalUnit)};
-}
-
-glm::dvec3 viewStretch(const PointCloud& cloud, const WorldBounds& bounds)
-{
-    const std::shared_lock lock(cloud.mutex());
-    const Attribute *const x = cloud.findAttribute("X"), *const z = cloud.findAttribute("Z");
-    return x != nullptr && z != nullptr ? viewStretch(x->unit, z->unit, bounds) : glm::dvec3(1.0);
 }
 
 }  // namespace punctum::render

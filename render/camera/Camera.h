@@ -26,7 +26,7 @@ struct Camera {
     double fovY = 0.785398163397448;  ///< full vertical angle (45 degrees), perspective only
     glm::dvec3 pivot{0.0};            ///< what orbit() turns about and zooming is measured from
     bool orthographic = false;
-    glm::dvec3 stretch{1.0};  ///< view units of a world unit along each axis: see viewStretch()
+    glm::dvec3 stretch{1.0};  ///< view units of a world unit along each axis: see trueLengths()
 
     glm::dvec3 right() const noexcept;
     glm::dvec3 up() const noexcept;
@@ -61,13 +61,5 @@ struct Camera {
 /// heights look so many times as high.
 Camera sectionCamera(const Section& section, double low, double high, glm::dvec2 sizePx,
                      double exaggeration = 1.0) noexcept;
-
-/// What a camera must stretch so that a cloud with these units (Attribute::unit of X and of Z) has its true shape.
-/// Degrees become meters on the WGS 84 ellipsoid at the latitude of the middle of `bounds`; heights in another unit
-/// of length than X and Y become that one; otherwise nothing is stretched.
-glm::dvec3 viewStretch(std::string_view horizontalUnit, std::string_view verticalUnit,
-                       const WorldBounds& bounds) noexcept;
-/// The same of a cloud; its mutex() must not be held alone by another thread.
-glm::dvec3 viewStretch(const PointCloud& cloud, const WorldBounds& bounds);
 
 }  // namespace punctum::render

@@ -33,8 +33,6 @@ private slots:
     void cancelStopsReading();
     void extraBytesAreTyped();
     void clashingNamesAreToldApart();
-    void coordinateSystems_data();
-    void coordinateSystems();
     void firstBoundsAreGood();
     void changedFileIsAnError();
     void damagedChunkLeavesOthers();
@@ -369,72 +367,6 @@ void LasReaderTest::clashingNamesAreToldApart()
         " Intensity (extra) Same Same#2 ExtraBytes Normal (extra) Flags (extra) Same#3 "
         "caf\xC3\xA9 with 32 bytes and no NUL...";
     QCOMPARE(attributeNames(*load(path)), expectedNames);
-}
-
-void LasReaderTest::coordinateSystems_data()
-{
-    QTest::addColumn<QByteArray>("wkt");
-    QTest::addColumn<QList<int>>("keys");
-    QTest::addColumn<bool>("announced");
-    QTest::addColumn<QString>("crs");
-    QTest::addColumn<QString>("unit");
-    QTest::addColumn<bool>("warned");
-    const QByteArray utm =
-        "PROJCS[\"WGS 84 / UTM 33N\",GEOGCS[\"WGS 84\",UNIT[\"degree\",0.0174]],UNIT[\"metre\",1]]";
-    const QByteArray feet = "PROJCS[\"x\",GEOGCS[\"y\",UNIT[\"degree\",0.0174]],UNIT[\"US survey foot\",0.3048]]";
-    const QByteArray degrees = "GEOGCS[\"WGS 84\",UNIT[\"degree\",0.0174]]";
-    const QList<int> keys26910 = {1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, 26910};
-    const QList<int> keys4326 = {1, 1, 0, 2, 1024, 0, 1, 2, 2048, 0, 1, 4326};
-    const QList<int> none;
-    QTest::newRow("none") << QByteArray() << none << false << ""
-                          << "m" << false;
-    QTest::newRow("utm") << utm << none << true << QString(utm) << "m" << false;
-    QTest::newRow("feet") << feet << none << true << QString(feet) << "ft" << false;
-    QTest::newRow("degrees") << degrees << none << true << QString(degrees) << "deg" << false;
-    QTest::newRow("keys") << QByteArray() << keys26910 << false << "EPSG:26910"
-                          << "m" << false;
-    QTest::newRow("keys in degrees") << QByteArray() << keys4326 << false << "EPSG:4326"
-                                     << "deg" << false;
-    QTest::newRow("both, keys announced") << utm << keys26910 << false << "EPSG:26910"
-                                          << "m" << false;
-    QTest::newRow("both, WKT announced") << utm << keys26910 << true << QString(utm) << "m" << false;
-    QTest::newRow("WKT announced, keys there") << QByteArray() << keys26910 << true << "EPSG:26910"
-                                               << "m" << false;
-    QTest::newRow("three bytes") << QByteArray("abc") << none << true << ""
-                                 << "m" << true;
-    QTest::newRow("random") << QByteArray(60000, '\x9c') << none << true << ""
-                            << "m" << true;
-    QTest::newRow("cut keys") << QByteArray() << (QList<int>{1, 1, 0, 65535, 3072}) << false << ""
-                              << "m" << false;
-    QTest::newRow("garbage keys") << QByteArray() << (QList<int>{7, 7, 7, 65535, 3072, 1, 2, 3}) << false << ""
-                                  << "m" << true;
-}
-
-void LasReaderTest::coordinateSystems()
-{
-    QFETCH(QByteArray, wkt);
-    QFETCH(QList<int>, keys);
-    QFETCH(bool, announced);
-    QFETCH(QString, crs);
-    QFETCH(QString, unit);
-    QFETCH(bool, warned);
-    std::vector<Bytes> vlrs;
-    if (!wkt.isEmpty()) {
-        Bytes data(std::size_t(wkt.size()) + 1);
-        std::memcpy(data.data(), wkt.data(), std::size_t(wkt.size()));
-        vlrs.push_back(lasfiles::record("LASF_Projection", 2112, data));
-    }
-    if (!keys.isEmpty()) {
-        Bytes data(std::size_t(keys.size()) * 2);
-        for (int k = 0; k < keys.size(); ++k) lasfiles::set(data, std::size_t(k) * 2, std::uint16_t(keys[k]));
-        vlrs.push_back(lasfiles::record("LASF_Projection", 34735, data));
-    }
-    Bytes head = lasfiles::header(4, 1, 28, 0);
-    lasfiles::set<std::uint16_t>(head, 6, announced ? 16 : 0);
-    const auto source = las::Reader::open(make("crs.las", lasfiles::file(head, vlrs, {})))->source();
-    QCOMPARE(QString::fromStdString(source->crs), crs);
-    QCOMPARE(QString::fromStdString(source->layout.attributes[0].unit), unit);
-    QCOMPARE(!source->warnings.empty(), warned);
 }
 
 void LasReaderTest::firstBoundsAreGood()

@@ -96,7 +96,10 @@ void PrecisionTest::linesAreStraight()
     camera.yaw = 0.3;
     camera.pitch = -0.4;
     camera.orthographic = orthographic;
-    if (degrees) camera.stretch = viewStretch("deg", "m", cloud->coordinates().toWorld(cloud->computeBounds()));
+    if (degrees)
+        camera.stretch =
+            trueLengths(CoordinateUnits::degreesAndMeters(), cloud->coordinates().toWorld(cloud->computeBounds()))
+                .stretch;
     camera.pivot = cloud->world(kLinePoints / 2);
     const double step = scale * camera.stretch.y;  // view units; 2 px at the pivot
     camera.eye =
