@@ -4,6 +4,7 @@
 #include "app/commands/Command.h"
 #include "core/Error.h"
 #include "core/Text.h"
+#include "core/las/AtomicFile.h"
 #include "core/las/Reader.h"
 #include "core/las/SourceFile.h"
 #include "core/task/Progress.h"
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <span>
 
 namespace punctum::app
 {
@@ -79,8 +81,15 @@ las::WriteReport writeCloud(const PointCloud& cloud, const fs::path& path, const
     try {
         return las::write(cloud, path, options, progress);
     } catch (const las::WriteQuestion& question) {
-        if (question.kind() != las::WriteQuestion::Kind::Upgrade) throw;
-        throw Error(std::string(question.what()) + " Add --upgrade to write " + question.becomes() + ".");
+        switch (question.kind()) {
+            case las::WriteQuestion::Kind::TargetChanged:
+                break;
+            case las::WriteQuestion::Kind::TargetProtected:
+                throw Error(std::string(question.what()) + " Add --replace-protected to replace it all the same.");
+            case las::WriteQuestion::Kind::Upgrade:
+                throw Error(std::string(question.what()) + " Add --upgrade to write " + question.becomes() + ".");
+        }
+        throw;
     }
 }
 
@@ -88,6 +97,11 @@ void addUpgrade(CLI::App& command, bool& upgrade)
 {
     command.add_flag("--upgrade", upgrade,
                      "Write a point format and LAS version that can hold everything, where those of IN cannot");
+}
+
+void addReplaceProtected(CLI::App& command, bool& replaceProtected)
+{
+    command.add_flag("--replace-protected", replaceProtected, "Replace a file that is write-protected");
 }
 
 void addNoVerify(CLI::App& command, bool& noVerify)
@@ -134,23 +148,19 @@ void writeWhole(const fs::path& path, std::string_view bytes)
 {
     std::error_code code;
     const fs::file_status status = fs::status(path, code);
-    if (fs::is_directory(status)) throw Error(path, "This is a folder, not a file to write.");
-    // a device or a pipe cannot be replaced, only written to
-    const bool replace = !fs::exists(status) || fs::is_regular_file(status);
-    const fs::path target = replace && fs::exists(status) ? fs::canonical(path, code) : path;
-    const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-    const fs::path written = replace ? folder / (".punctum-" + std::to_string(getpid()) + ".tmp") : target;
-
-    const int file = open(written.c_str(), (replace ? O_CREAT | O_EXCL : 0) | O_WRONLY | O_CLOEXEC, 0666);
+    if (!fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status)) {
+        las::AtomicFile file(path, bytes.size());
+        file.writeAt(0, std::as_bytes(std::span(bytes)));
+        file.sync();
+        file.commit();
+        return;
+    }
+    // A device or a pipe cannot be replaced, only written to.
+    const int file = open(path.c_str(), O_WRONLY | O_CLOEXEC);
     if (file < 0) throw Error(path, "The file could not be written" + reason(errno));
     int error = writeAll(file, bytes);
-    if (error == 0 && replace && fsync(file) != 0) error = errno;
     if (close(file) != 0 && error == 0) error = errno;
-    if (error == 0 && replace && rename(written.c_str(), target.c_str()) != 0) error = errno;
-    if (error != 0) {
-        if (replace) unlink(written.c_str());
-        throw Error(path, "The file could not be written" + reason(error));
-    }
+    if (error != 0) throw Error(path, "The file could not be written" + reason(error));
 }
 
 }  // namespace punctum::app

@@ -29,11 +29,13 @@ void checkFolder(const std::filesystem::path& path);
 std::shared_ptr<PointCloud> loadForWriting(const std::filesystem::path& in, const std::filesystem::path& out,
                                            Progress& progress);
 
-/// las::write, with a hint at the option where its question is whether to upgrade. Throws Error, Cancelled.
+/// las::write, with a hint at the option that says yes to its question. Throws Error, Cancelled.
 las::WriteReport writeCloud(const PointCloud& cloud, const std::filesystem::path& path,
                             const las::WriteOptions& options, Progress& progress);
 /// Adds --upgrade, for writeCloud.
 void addUpgrade(CLI::App& command, bool& upgrade);
+/// Adds --replace-protected, for writeCloud.
+void addReplaceProtected(CLI::App& command, bool& replaceProtected);
 /// Adds --no-verify, for whatever writes a cloud.
 void addNoVerify(CLI::App& command, bool& noVerify);
 
@@ -53,7 +55,8 @@ struct DrawableCloud {
 DrawableCloud loadDrawable(const std::filesystem::path& path, Progress& progress,
                            render::OrderKind order = render::OrderKind::Stratified);
 
-/// Writes bytes to a file, whole or not at all. Throws Error.
+/// Writes bytes to a file, whole or not at all, as las::AtomicFile does; to a pipe or a device straight. Throws
+/// Error.
 void writeWhole(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace punctum::app

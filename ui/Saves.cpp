@@ -135,6 +135,10 @@ void Saves::askFor(const std::shared_ptr<Saving>& saving)
             question.text = tr("Replace the changed file?");
             question.yes = tr("&Replace");
             break;
+        case las::WriteQuestion::Kind::TargetProtected:
+            question.text = tr("Replace the write-protected file?");
+            question.yes = tr("&Replace");
+            break;
         case las::WriteQuestion::Kind::Upgrade:
             question.text = tr("Save as %1?").arg(toQString(saving->question->becomes()));
             question.reason +=
@@ -151,6 +155,9 @@ void Saves::askFor(const std::shared_ptr<Saving>& saving)
         switch (saving->question->kind()) {
             case las::WriteQuestion::Kind::TargetChanged:
                 saving->options.overwriteChanged = true;
+                break;
+            case las::WriteQuestion::Kind::TargetProtected:
+                saving->options.replaceProtected = true;
                 break;
             case las::WriteQuestion::Kind::Upgrade:
                 saving->options.upgrade = true;

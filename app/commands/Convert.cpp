@@ -21,6 +21,7 @@ struct ConvertOptions {
     int format = -1;
     bool upgrade = false;
     bool noVerify = false;
+    bool replaceProtected = false;
     bool json = false;
 };
 
@@ -33,6 +34,7 @@ void runConvert(const ConvertOptions& options, Progress& progress)
     if (!options.version.empty()) write.versionMinor = std::uint8_t(options.version.back() - '0');
     if (options.format >= 0) write.pointFormat = std::uint8_t(options.format);
     write.verify = !options.noVerify;
+    write.replaceProtected = options.replaceProtected;
     write.upgrade = options.upgrade;
     reportWritten(writeCloud(*cloud, options.out, write, progress), options.out, options.json);
 }
@@ -56,6 +58,7 @@ void addConvert(CLI::App& root, Action& action)
         ->check(CLI::Range(0, 10));
     addUpgrade(command, options->upgrade);
     addNoVerify(command, options->noVerify);
+    addReplaceProtected(command, options->replaceProtected);
     command.add_flag("--json", options->json, "Report in JSON");
     command.callback([options, &action] { action = [options](Progress& p) { runConvert(*options, p); }; });
 }

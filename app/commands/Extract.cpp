@@ -22,6 +22,7 @@ struct ExtractOptions {
     std::string out;
     std::string where;
     bool noVerify = false;
+    bool replaceProtected = false;
     bool json = false;
 };
 
@@ -42,6 +43,7 @@ void runExtract(const ExtractOptions& options, Progress& progress)
     las::WriteOptions write;
     write.compressed = las::isCompressedName(options.out);
     write.verify = !options.noVerify;
+    write.replaceProtected = options.replaceProtected;
     write.copyChunks = false;
     reportWritten(writeCloud(*part, options.out, write, progress), options.out, options.json,
                   {{"points_read", cloud->size()}});
@@ -62,6 +64,7 @@ void addExtract(CLI::App& root, Action& action)
         ->type_name("CONDITION")
         ->required();
     addNoVerify(command, options->noVerify);
+    addReplaceProtected(command, options->replaceProtected);
     command.add_flag("--json", options->json, "Report in JSON");
     command.callback([options, &action] { action = [options](Progress& p) { runExtract(*options, p); }; });
 }

@@ -24,6 +24,7 @@ struct ProcessOptions {
     std::vector<std::string> steps;
     bool upgrade = false;
     bool noVerify = false;
+    bool replaceProtected = false;
     bool list = false;
     bool json = false;
 };
@@ -154,6 +155,7 @@ void runProcess(const ProcessOptions& options, Progress& progress)
     las::WriteOptions write;
     write.compressed = las::isCompressedName(options.out);
     write.verify = !options.noVerify;
+    write.replaceProtected = options.replaceProtected;
     write.upgrade = options.upgrade;
     reportWritten(writeCloud(*cloud, options.out, write, progress), options.out, options.json, {{"steps", report}});
 }
@@ -176,6 +178,7 @@ void addProcess(CLI::App& root, Action& action)
                              ->type_name("STEP");
     addUpgrade(command, options->upgrade);
     addNoVerify(command, options->noVerify);
+    addReplaceProtected(command, options->replaceProtected);
     command.add_flag("--list-steps", options->list, "List all steps with their parameters, and do nothing else");
     command.add_flag("--json", options->json, "Report in JSON");
     command.callback([=, &action] {

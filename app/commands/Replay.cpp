@@ -26,6 +26,7 @@ struct ReplayOptions {
     bool list = false;
     bool upgrade = false;
     bool noVerify = false;
+    bool replaceProtected = false;
     bool json = false;
 };
 
@@ -94,6 +95,7 @@ void runReplay(const ReplayOptions& options, Progress& progress)
     las::WriteOptions write;
     write.compressed = las::isCompressedName(options.out);
     write.verify = !options.noVerify;
+    write.replaceProtected = options.replaceProtected;
     write.upgrade = options.upgrade;
     reportWritten(writeCloud(*cloud, options.out, write, progress), options.out, options.json,
                   {{"entries", replayed.entries}, {"whole", whole}});
@@ -118,6 +120,7 @@ void addReplay(CLI::App& root, Action& action)
     command.add_flag("--list", options->list, "List what the journal tells, and do nothing else");
     addUpgrade(command, options->upgrade);
     addNoVerify(command, options->noVerify);
+    addReplaceProtected(command, options->replaceProtected);
     command.add_flag("--json", options->json, "Report in JSON");
     command.callback([=, &action] {
         if (!options->list) {

@@ -19,6 +19,7 @@ struct SampleOptions {
     std::string out;
     std::uint64_t points = 0;
     std::uint64_t seed = 1;
+    bool replaceProtected = false;
     bool json = false;
 };
 
@@ -31,7 +32,8 @@ void runSample(const SampleOptions& options, Progress& progress)
     write.compressed = las::isCompressedName(options.out);
     // there is no original to lose: whoever wants another copy makes one from the seed
     write.verify = false;
-    reportWritten(las::write(*cloud, options.out, write, progress), options.out, options.json);
+    write.replaceProtected = options.replaceProtected;
+    reportWritten(writeCloud(*cloud, options.out, write, progress), options.out, options.json);
 }
 
 }  // namespace
@@ -51,6 +53,7 @@ void addSample(CLI::App& root, Action& action)
         ->type_name("N")
         ->check(CLI::Range(std::uint64_t(1), kMost));
     command.add_option("--seed", options->seed, "Number that decides the landscape; default 1")->type_name("S");
+    addReplaceProtected(command, options->replaceProtected);
     command.add_flag("--json", options->json, "Report in JSON");
     command.callback([options, &action] { action = [options](Progress& p) { runSample(*options, p); }; });
 }

@@ -22,6 +22,7 @@ namespace
 {
 
 constexpr const char* kAccessList = "system.posix_acl_access";
+constexpr int kMostLinks = 40;                              ///< as Linux follows
 constexpr std::size_t kMostAtOnce = std::size_t(64) << 20;  ///< bytes in one write; Linux takes up to 2 GiB
 
 std::string reason(int error)
@@ -56,21 +57,41 @@ private:
     sigset_t m_before{};
 };
 
+/// What a path leads to when links are followed, whether or not there is a file at their end.
+std::filesystem::path linksFollowed(const std::filesystem::path& path)
+{
+    std::filesystem::path at = path;
+    std::error_code ec;
+    for (int k = 0; k < kMostLinks && std::filesystem::is_symlink(std::filesystem::symlink_status(at, ec)); ++k) {
+        const auto to = std::filesystem::read_symlink(at, ec);
+        if (ec) return path;
+        at = at.parent_path() / to;  // which is `to` where that is absolute
+    }
+    return at;
+}
+
 }  // namespace
 
-AtomicFile::AtomicFile(const std::filesystem::path& target, std::uint64_t expectedBytes)
-    : m_shown(target), m_target(target)
+bool writeProtected(const std::filesystem::path& path)
 {
-    std::error_code ec;
-    if (std::filesystem::is_symlink(target, ec)) {
-        const auto real = std::filesystem::weakly_canonical(target, ec);
-        if (!ec) m_target = real;
-    }
+    struct stat s {
+    };
+    if (::stat(path.c_str(), &s) != 0 || !S_ISREG(s.st_mode)) return false;
+    // The first is for root, to whom everything is allowed.
+    return (s.st_mode & 0222) == 0 ||
+           (::faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) != 0 && errno == EACCES);
+}
+
+AtomicFile::AtomicFile(const std::filesystem::path& target, std::uint64_t expectedBytes, Protected whenProtected)
+    : m_shown(target), m_target(linksFollowed(target)), m_whenProtected(whenProtected)
+{
     struct stat s {
     };
     if (::stat(m_target.c_str(), &s) == 0) {
         if (S_ISDIR(s.st_mode)) throw Error(m_shown, "This is a folder; choose a file name.");
         if (!S_ISREG(s.st_mode)) throw Error(m_shown, "This is not a regular file, so it cannot be replaced.");
+        if (whenProtected == Protected::Refuse && writeProtected(m_target))
+            throw Error(m_shown, "The file is write-protected; allow writing to it, or choose another name.");
         m_before = FileStamp::of(s);
         if (s.st_nlink > 1)
             m_notes.emplace_back("The file had other names (hard links); they keep the old contents.");

@@ -18,13 +18,19 @@ namespace punctum::las
 /// then renamed over it. Destroyed without commit(), it leaves nothing behind and an existing target untouched.
 ///
 /// What replaces an existing file takes over its mode, extended attributes and access list, and its owner and group
-/// where that is permitted. A target that is a symbolic link is followed. writeAt may be called from several
-/// threads at once. Every member throws Error with the target's name and what the system said.
+/// where that is permitted. A target that is a symbolic link is followed, also where there is no file yet. One that
+/// is write-protected is replaced only where the caller says so: renaming needs no right to write to it. writeAt
+/// may be called from several threads at once. Every member throws Error with the target's name and what the system
+/// said.
 class AtomicFile
 {
 public:
+    /// What becomes of a target that is write-protected.
+    enum class Protected { Refuse, Replace };
+
     /// `expectedBytes`: refused at once when the disk has less room; 0 when unknown.
-    explicit AtomicFile(const std::filesystem::path& target, std::uint64_t expectedBytes = 0);
+    explicit AtomicFile(const std::filesystem::path& target, std::uint64_t expectedBytes = 0,
+                        Protected whenProtected = Protected::Refuse);
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
@@ -32,6 +38,7 @@ public:
     /// Links followed.
     const std::filesystem::path& target() const noexcept { return m_target; }
     const std::filesystem::path& temporary() const noexcept { return m_temporary; }
+    Protected whenProtected() const noexcept { return m_whenProtected; }
     /// Whether there was a file when this was made.
     bool replaces() const noexcept { return m_before.has_value(); }
 
@@ -54,6 +61,7 @@ private:
     std::filesystem::path m_shown;   ///< as the user named it
     std::filesystem::path m_target;  ///< links followed
     std::filesystem::path m_temporary;
+    Protected m_whenProtected;
     int m_descriptor = -1;
     std::optional<FileStamp> m_before;  ///< of the target; nothing: there was none
     std::vector<std::string> m_notes;
@@ -61,5 +69,8 @@ private:
     unsigned m_mode = 0;
     unsigned m_owner = 0, m_group = 0;
 };
+
+/// Whether there is a file that its owner made read-only, or that we may not write to.
+bool writeProtected(const std::filesystem::path& path);
 
 }  // namespace punctum::las

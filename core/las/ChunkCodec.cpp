@@ -14,6 +14,7 @@
 #include <istream>
 #include <ostream>
 #include <streambuf>
+#include <unordered_set>
 
 namespace punctum::las
 {
@@ -622,14 +623,43 @@ void LaszipEncoder::finish()
     m_impl->check(laszip_close_writer(m_impl->handle.get()));
 }
 
-std::vector<std::byte> encodeChunk(const LazInfo& info, std::span<const std::byte> records,
-                                   const Progress& progress)
+namespace
 {
-    const std::size_t count = records.size() / info.recordLength;
-    if (count == 0 || count >= kVariableChunks) throw Error("A chunk cannot hold that many points.");
-    if (!isExtendedFormat(info.format)) return encodePointwise(info, records, progress);
+
+constexpr std::size_t kTimeAt = 22;  ///< GPS time in the formats 6 to 10
+
+/// LASzip compares GPS times of the formats 6 to 10 as numbers, to which -0 and 0 are the same, so that it loses
+/// the sign; but it codes the differences of their bits, or 32 bits that are the lower half. So when the same
+/// number is added to the upper half of all times, the coded bytes stay the same, while no two times look equal
+/// that are not. Gives such a number; 0 where none is needed.
+std::uint32_t timeShift(std::span<const std::byte> records, std::size_t length)
+{
+    bool positive = false, negative = false;
+    for (std::size_t at = kTimeAt; at < records.size(); at += length) {
+        const auto time = load<std::uint64_t>(records.data() + at);
+        positive = positive || time == 0;
+        negative = negative || time == 1ull << 63;
+    }
+    if (!positive || !negative) return 0;
+    std::unordered_set<std::uint32_t> upper;
+    for (std::size_t at = kTimeAt; at < records.size(); at += length)
+        upper.insert(load<std::uint32_t>(records.data() + at + 4));
+    // No time may become 0 or -0, nor come so close to 0 that LASzip codes the difference to it.
+    const auto taken = [&](std::uint32_t shift) {
+        return upper.contains(0u - shift) || upper.contains(UINT32_MAX - shift) ||
+               upper.contains(0x80000000u - shift);
+    };
+    std::uint32_t shift = 1;
+    while (taken(shift)) ++shift;
+    return shift;
+}
+
+/// By LASzip, as a file of one chunk.
+std::vector<std::byte> encodeLayered(const LazInfo& info, std::span<const std::byte> records,
+                                     const Progress& progress)
+{
     LazInfo one = info;
-    one.chunkSize = std::uint32_t(count);
+    one.chunkSize = std::uint32_t(records.size() / info.recordLength);
     SinkBuffer sink;
     std::ostream stream(&sink);
     LaszipEncoder encoder(one, stream);
@@ -646,6 +676,34 @@ std::vector<std::byte> encodeChunk(const LazInfo& info, std::span<const std::byt
     sink.bytes.resize(std::size_t(tableAt));
     sink.bytes.erase(sink.bytes.begin(), sink.bytes.begin() + kPointerBytes);
     return std::move(sink.bytes);
+}
+
+/// The chunk, although there are times of 0 and of -0 in it.
+std::vector<std::byte> encodeShifted(const LazInfo& info, std::span<const std::byte> records, std::uint32_t shift,
+                                     const Progress& progress)
+{
+    std::vector<std::byte> shifted(records.begin(), records.end());
+    for (std::size_t at = kTimeAt; at < shifted.size(); at += info.recordLength) {
+        const std::uint64_t time = load<std::uint64_t>(shifted.data() + at) + (std::uint64_t(shift) << 32);
+        std::memcpy(shifted.data() + at, &time, sizeof time);
+    }
+    std::vector<std::byte> chunk = encodeLayered(info, shifted, progress);
+    // The first record stands in the chunk as it is.
+    std::memcpy(chunk.data() + kTimeAt, records.data() + kTimeAt, sizeof(std::uint64_t));
+    return chunk;
+}
+
+}  // namespace
+
+std::vector<std::byte> encodeChunk(const LazInfo& info, std::span<const std::byte> records,
+                                   const Progress& progress)
+{
+    const std::size_t count = records.size() / info.recordLength;
+    if (count == 0 || count >= kVariableChunks) throw Error("A chunk cannot hold that many points.");
+    if (!isExtendedFormat(info.format)) return encodePointwise(info, records, progress);
+    if (const std::uint32_t shift = timeShift(records, info.recordLength); shift != 0)
+        return encodeShifted(info, records, shift, progress);
+    return encodeLayered(info, records, progress);
 }
 
 }  // namespace punctum::las

@@ -93,6 +93,8 @@ public:
     std::size_t decode(std::size_t count, std::byte* records);
     /// Bytes of the data taken so far; more than there are when more were asked for.
     std::uint64_t position();
+    /// Our own decoder, which knows of the chunk's end; null where LASzip decodes.
+    const ChunkDecoder* own() const noexcept { return m_own.get(); }
     /// What went wrong; empty when all went well.
     const std::string& error() const noexcept { return m_error; }
 

@@ -16,8 +16,8 @@ struct LazInfo;
 constexpr const char* kImpossibleStart = "its compressed bytes begin as none can";
 
 /// Decodes the points of compressed chunks by our own code: faster than LASzip, since opening a compressed file is
-/// what people wait for, and within its bounds whatever the bytes are, where LASzip can recurse without end. Tests hold
-/// these decoders against it. For one thread.
+/// what people wait for, and within its bounds whatever the bytes are, where LASzip can recurse without end. Tests
+/// hold these decoders against it. For one thread.
 class ChunkDecoder
 {
 public:
@@ -31,6 +31,10 @@ public:
     virtual std::size_t decode(std::size_t count, std::byte* records) = 0;
     /// Bytes of the chunk taken so far; one more than there are when more were asked for.
     virtual std::uint64_t position() const = 0;
+    /// Of chunks of one coder: how many zeros it ends with if the last point decoded was the last one, and whether
+    /// what comes before these can be its end. No zeros: the chunk has an end of its own for each layer.
+    virtual unsigned zerosAtEnd() const { return 0; }
+    virtual bool endsAsWritten() const { return true; }
 };
 
 }  // namespace punctum::las

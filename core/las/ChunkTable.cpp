@@ -2,6 +2,7 @@
 #include "core/las/ChunkTable.h"
 
 #include "core/Error.h"
+#include "core/las/ChunkProbe.h"
 #include "core/las/File.h"
 #include "core/las/RangeCoder.h"
 
@@ -16,9 +17,8 @@ namespace
 
 constexpr std::size_t kTableHead = 8;  ///< version, number of chunks
 constexpr std::size_t kPointerBytes = 8;
-constexpr std::uint64_t kMostPoints = std::uint64_t(1) << 31;  ///< in one chunk
+constexpr std::uint64_t kMostPoints = ChunkProbe::kMostPoints;
 constexpr std::uint64_t kMostPointsAByte = 4096;
-constexpr std::size_t kDecodeStep = 1024;
 
 template <typename T>
 T readValue(const File& file, std::uint64_t offset)
@@ -39,7 +39,7 @@ class Finder
 public:
     Finder(const File& file, std::uint64_t begin, std::uint64_t end, const LazInfo& info,
            std::span<const std::uint64_t> counts)
-        : m_file(file), m_begin(begin), m_end(end), m_info(info), m_counts(counts)
+        : m_file(file), m_probe(file, info), m_begin(begin), m_end(end), m_info(info), m_counts(counts)
     {
     }
 
@@ -77,10 +77,12 @@ private:
     {
         Chunk c{m_begin, m_end - m_begin, 0, stated()};
         if (!plausible(c.count, c.bytes)) {
-            c.count = decodable(c, stated());
+            c.count = m_probe.decodable(c, stated());
             c.cut = true;
-            warnCount(stated(), c.count);
+        } else if (c.count != 0) {
+            c = m_probe.withoutZeros(c);
         }
+        warnCount(stated(), c.count);
         if (c.count != 0) m_list.chunks.push_back(c);
         m_list.end = m_end;
     }
@@ -91,11 +93,10 @@ private:
         if (position == -1 && m_end - m_begin >= 2 * kPointerBytes)
             position = readValue<std::int64_t>(m_file, m_end - kPointerBytes);  // written to a stream without seeks
         const std::uint64_t chunksBegin = m_begin + kPointerBytes;
-        if (position < 0 || std::uint64_t(position) < chunksBegin || std::uint64_t(position) > m_end ||
-            m_end - std::uint64_t(position) < kTableHead)
-            return false;
+        if (position < 0 || std::uint64_t(position) < chunksBegin || std::uint64_t(position) > m_end) return false;
         const auto tableAt = std::uint64_t(position);
         m_tableAt = tableAt;
+        if (m_end - tableAt < kTableHead) return false;
         const std::uint64_t chunkBytes = tableAt - chunksBegin;
         // A chunk has its first point uncompressed, so the table cannot have more entries than this, and an entry
         // takes far less than 16 bytes.
@@ -160,9 +161,9 @@ private:
             last.count = n - before;
             const bool few = chunks.size() == 1;
             if (!few && similarDensity(chunks)) return true;
-            if (endsExactly(last)) return true;
+            if (m_probe.endsExactly(last)) return true;
         }
-        return countByDecoding();
+        return countByDecoding() || keepStated(last);
     }
 
     /// Points that a layered chunk says it has; 0 when its head is damaged.
@@ -175,7 +176,7 @@ private:
         return layeredChunkSize(head, m_info, count, bytes) ? count : 0;
     }
 
-    /// The head of the last chunk is damaged: reading will find that out, here only its size matters.
+    /// The last chunk is damaged: reading will find that out, here only its size matters.
     bool keepStated(Chunk& last)
     {
         for (const std::uint64_t n : m_counts)
@@ -194,79 +195,26 @@ private:
         return a < 4 * b && b < 4 * a;
     }
 
-    bool endsExactly(const Chunk& c) const
-    {
-        std::uint64_t consumed = 0;
-        return decodable(c, c.count, &consumed) == c.count && consumed == c.bytes;
-    }
-
     /// The chunk size in the record or the header's count is wrong: decode until each chunk's bytes are used up.
+    /// False, and nothing is changed, when a chunk is damaged.
     bool countByDecoding()
     {
-        std::vector<Chunk>& chunks = m_list.chunks;
+        std::vector<Chunk> counted = m_list.chunks;
         // The first chunk tells whether the stated size is right for all but the last.
-        const bool sizeHolds = chunks.size() > 1 && endsExactly(chunks.front());
-        if (!sizeHolds && chunks.size() > 1)
-            m_list.warnings.push_back("The stated chunk size " + number(m_info.chunkSize) +
-                                      " is wrong; the chunks were counted.");
+        const bool sizeHolds = counted.size() > 1 && m_probe.endsExactly(counted.front());
         std::uint64_t first = 0;
-        for (Chunk& c : chunks) {
+        for (Chunk& c : counted) {
             c.first = first;
-            if (!sizeHolds || &c == &chunks.back()) {
-                const std::uint64_t n = pointsUntilEnd(c);
-                if (n == 0) return false;
-                c.count = n;
-            }
+            if (!sizeHolds || &c == &counted.back()) c.count = m_probe.pointsUntilEnd(c);
+            if (c.count == 0) return false;
             first += c.count;
         }
+        if (!sizeHolds && counted.size() > 1)
+            m_list.warnings.push_back("The stated chunk size " + number(m_info.chunkSize) +
+                                      " is wrong; the chunks were counted.");
+        m_list.chunks = std::move(counted);
         warnCount(stated(), first);
         return true;
-    }
-
-    std::vector<std::byte> load(const Chunk& c) const
-    {
-        std::vector<std::byte> data(std::size_t(c.bytes));
-        m_file.readAt(c.offset, data);
-        return data;
-    }
-
-    std::uint64_t pointsUntilEnd(const Chunk& c) const
-    {
-        const auto data = load(c);
-        PointDecoder decoder(m_info, data, kMostPoints);
-        std::vector<std::byte> record(m_info.recordLength);
-        std::uint64_t n = 0;
-        // `position` reaches the end some points early only where points take no bytes at all
-        while (n < std::max<std::uint64_t>(data.size() * 8, 1) && decoder.decode(1, record.data()) == 1) {
-            ++n;
-            if (decoder.position() >= data.size()) return n;
-        }
-        return 0;
-    }
-
-    /// How many of `count` points can be decoded from the chunk's bytes.
-    std::uint64_t decodable(const Chunk& c, std::uint64_t count, std::uint64_t* consumed = nullptr) const
-    {
-        LazInfo info = m_info;
-        std::vector<std::byte> data;
-        std::optional<PointDecoder> decoder;
-        if (info.compressor == LazInfo::Pointwise) {
-            decoder.emplace(info, m_file, c.offset, c.bytes, count);
-        } else {
-            data = load(c);
-            decoder.emplace(info, data, count);
-        }
-        std::vector<std::byte> records(kDecodeStep * info.recordLength);
-        std::uint64_t n = 0;
-        while (n < count) {
-            const std::size_t step = std::size_t(std::min<std::uint64_t>(kDecodeStep, count - n));
-            const std::size_t got = decoder->decode(step, records.data());
-            n += got;
-            if (got < step) break;
-            if (consumed == nullptr && decoder->position() >= c.bytes) break;
-        }
-        if (consumed != nullptr) *consumed = decoder->position();
-        return n;
     }
 
     std::size_t headBytes() const
@@ -305,34 +253,64 @@ private:
         return at;
     }
 
-    /// Chunks of a fixed size follow each other; where one ends is known only when it is decoded.
+    /// Chunks that were found one after the other.
+    struct Walk {
+        std::vector<Chunk> chunks;
+        std::uint64_t end = 0;  ///< of the last one
+        bool all = false;       ///< as many points as the header says, in whole chunks
+    };
+
+    /// Chunks of a fixed size follow each other; where one ends is known only when it is decoded. So the walk must
+    /// end where a table is, or where the bytes do: whatever else it gives is not what was written.
     void walkChunked()
     {
         if (m_info.variable())
             throw Error(m_file.path(),
                         "The table of compressed chunks is damaged and cannot be rebuilt, because the "
                         "chunks differ in size.");
-        const std::uint64_t chunksBegin = m_begin + kPointerBytes;
-        std::vector<std::byte> records(kDecodeStep * m_info.recordLength);
-        std::uint64_t at = chunksBegin, points = 0;
-        while (points < stated() && at < m_end) {
-            const std::uint64_t want = std::min<std::uint64_t>(m_info.chunkSize, stated() - points);
-            PointDecoder decoder(m_info, m_file, at, m_end - at, want);
-            std::uint64_t n = 0;
-            while (n < want) {
-                const std::size_t step = std::size_t(std::min<std::uint64_t>(kDecodeStep, want - n));
-                const std::size_t got = decoder.decode(step, records.data());
-                n += got;
-                if (got < step) break;
+        const std::uint64_t named = m_tableAt.value_or(m_end);
+        Walk walk = walkChunked(named);
+        bool sound = walk.all && (walk.end == named || tableAgrees(walk));
+        if (!sound && named != m_end) {  // it may be the pointer that is wrong
+            Walk other = walkChunked(m_end);
+            if (other.all && (other.end == m_end || tableAgrees(other))) {
+                walk = std::move(other);
+                sound = true;
             }
-            const std::uint64_t bytes = std::min(decoder.position(), m_end - at);
-            if (n != 0) m_list.chunks.push_back({at, bytes, points, n, n < want});
-            points += n;
-            at += bytes;
-            if (n < want) break;
         }
+        m_list.chunks = std::move(walk.chunks);
         m_list.end = m_end;
+        if (walk.all && !sound)
+            lose("The compressed points end at " + number(walk.end) + ", but their table should begin at " +
+                 number(named) + "; some of them may be damaged.");
         endOfWalk();
+    }
+    Walk walkChunked(std::uint64_t end) const
+    {
+        Walk walk{{}, m_begin + kPointerBytes, false};
+        std::uint64_t points = 0;
+        bool whole = true;
+        while (whole && points < stated() && walk.end < end) {
+            const std::uint64_t want = std::min<std::uint64_t>(m_info.chunkSize, stated() - points);
+            const Chunk chunk = m_probe.next(walk.end, end, points, want);
+            whole = !chunk.cut;
+            if (chunk.count == 0) break;
+            walk.chunks.push_back(chunk);
+            walk.end += chunk.bytes;
+            points += chunk.count;
+        }
+        walk.all = whole && points == stated();
+        return walk;
+    }
+    /// Whether a table follows that says just these chunks.
+    bool tableAgrees(const Walk& walk) const
+    {
+        std::vector<ChunkEntry> entries;
+        for (const Chunk& c : walk.chunks) entries.push_back({0, std::uint32_t(c.bytes)});
+        const std::uint64_t size = encodeChunkTable(entries, false).size();
+        std::vector<std::byte> table(std::size_t(std::min(m_end - walk.end, size + 64)));
+        m_file.readAt(walk.end, table);
+        return decodeChunkTable(table, false, entries.size()) == entries;
     }
 
     void endOfWalk()
@@ -347,12 +325,22 @@ private:
     void warnCount(std::uint64_t said, std::uint64_t found)
     {
         if (said == found) return;
-        m_list.losses.push_back("The header says " + number(said) + " points, the file holds " + number(found) +
-                                ".");
-        m_list.warnings.push_back(m_list.losses.back());
+        const std::string sentence =
+            "The header says " + number(said) + " points, the file holds " + number(found) + ".";
+        if (found < said)
+            lose(sentence);
+        else
+            m_list.warnings.push_back(sentence);
+    }
+
+    void lose(const std::string& sentence)
+    {
+        m_list.losses.push_back(sentence);
+        m_list.warnings.push_back(sentence);
     }
 
     const File& m_file;
+    ChunkProbe m_probe;
     std::uint64_t m_begin;
     std::uint64_t m_end;
     const LazInfo& m_info;

@@ -68,4 +68,14 @@ std::uint64_t PointwiseDecoder::position() const
     return m_impl->size == 0 ? 0 : m_impl->length + m_impl->in.taken();
 }
 
+unsigned PointwiseDecoder::zerosAtEnd() const
+{
+    return m_impl->in.zerosAtEnd();
+}
+
+bool PointwiseDecoder::endsAsWritten() const
+{
+    return m_impl->in.endsAsWritten();
+}
+
 }  // namespace punctum::las

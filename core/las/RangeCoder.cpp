@@ -7,13 +7,6 @@
 namespace punctum::las
 {
 
-namespace
-{
-
-constexpr std::uint32_t kMinLength = 1u << 24;
-
-}  // namespace
-
 void BitModel::rescale() noexcept
 {
     m_bitCount += m_cycle;
@@ -38,10 +31,10 @@ void RangeEncoder::carry() noexcept
 std::vector<std::byte> RangeEncoder::finish()
 {
     reserve(0);
-    const bool longEnd = m_length > 2 * kMinLength;
-    m_length = longEnd ? kMinLength >> 1 : kMinLength >> 9;
-    add(longEnd ? kMinLength : kMinLength / 2);
-    const std::size_t zeros = longEnd ? 3 : 2;
+    const std::uint32_t length = m_length;
+    m_length = longEnd(length) ? kMinLength >> 1 : kMinLength >> 9;
+    add(endAbove(length));
+    const std::size_t zeros = longEnd(length) ? 3 : 2;
     m_bytes.resize(m_at);
     m_bytes.insert(m_bytes.end(), zeros, std::byte(0));
     return std::move(m_bytes);

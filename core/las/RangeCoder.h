@@ -166,6 +166,19 @@ struct IntegerModels {
     unsigned length = 0;                                  ///< bits of the difference decoded last
 };
 
+constexpr std::uint32_t kMinLength = 1u << 24;  ///< of the interval, between two symbols
+
+/// What an encoder whose interval has this length ends with: one byte and three zeros, or two and two.
+constexpr bool longEnd(std::uint32_t length) noexcept
+{
+    return length > 2 * kMinLength;
+}
+/// How far above its base.
+constexpr std::uint32_t endAbove(std::uint32_t length) noexcept
+{
+    return longEnd(length) ? kMinLength : kMinLength / 2;
+}
+
 /// Takes symbols, bits and integers from compressed bytes. Reading past the end gives zeros; no input is an error
 /// at once, see damaged().
 class RangeDecoder
@@ -194,6 +207,15 @@ public:
     void fail() noexcept { m_impossible = true; }
     /// That, or more bytes were asked for than there are.
     bool damaged() const noexcept { return m_impossible || m_at > m_end; }
+
+    /// How many zeros an encoder that is at this point ends with (RangeEncoder::finish).
+    unsigned zerosAtEnd() const noexcept { return longEnd(m_length) ? 3 : 2; }
+    /// Whether the bytes that were read ahead are an end that such an encoder writes: a number just so far above
+    /// its base as to tell its last interval from others, in one or two bytes.
+    bool endsAsWritten() const noexcept
+    {
+        return endAbove(m_length) - m_value < (longEnd(m_length) ? 1u << 24 : 1u << 16);
+    }
 
     static constexpr bool kEncodes = false;
 

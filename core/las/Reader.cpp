@@ -2,6 +2,7 @@
 #include "core/las/Reader.h"
 
 #include "core/Error.h"
+#include "core/las/ChunkProbe.h"
 #include "core/las/Compatible.h"
 #include "core/las/ExtraBytesRange.h"
 #include "core/las/File.h"
@@ -92,8 +93,8 @@ struct Reader::Impl {
     };
     void visitChunk(const Chunk& chunk, ChunkWorker& worker, Shared& shared) const;
     void visitStream(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const;
-    void decode(PointDecoder& decoder, const Chunk& chunk, bool checkEnd, std::vector<std::byte>& scratch,
-                Shared& shared) const;
+    void decode(PointDecoder& decoder, const Chunk& chunk, const std::function<bool()>& whole,
+                std::vector<std::byte>& scratch, Shared& shared) const;
     ReadResult visit(Progress& progress, const Receiver& receiver) const;
 };
 
@@ -164,13 +165,21 @@ void Reader::Impl::visitBlock(PointRange block, std::vector<std::byte>& scratch,
     shared.progress.add(block.size());
 }
 
-/// Decodes a chunk batch by batch. When the decoder fails, the points of that batch and all later ones are missing.
-void Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, bool checkEnd, std::vector<std::byte>& scratch,
-                          Shared& shared) const
+/// Decodes a chunk batch by batch. `whole` tells, once all is decoded, whether its bytes are; empty where they
+/// cannot be. Where the chunk's end tells whether it is sound, none of its points have arrived before all are
+/// decoded: bytes that are not what was written give points that never were, long before a decoder fails. So all
+/// are missing then; of others those of the batch that fails, and all later ones.
+void Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, const std::function<bool()>& whole,
+                          std::vector<std::byte>& scratch, Shared& shared) const
 {
     const std::uint64_t length = parsed.source->layout.length;
     const std::uint64_t step = std::clamp<std::uint64_t>(kDecodeBytes / length, 1, kDecodeStep);
     scratch.resize(std::size_t(step * length));
+    std::uint64_t arrived = 0;
+    const auto arrive = [&](std::uint64_t end) {
+        for (; arrived < end; arrived += std::min(end - arrived, kMostInBatch))
+            shared.receiver.arrived({chunk.first + arrived, chunk.first + std::min(end, arrived + kMostInBatch)});
+    };
     for (std::uint64_t done = 0; done < chunk.count;) {
         const std::uint64_t batch = std::min(chunk.count - done, kMostInBatch);
         const PointIndex first = chunk.first + done;
@@ -188,16 +197,20 @@ void Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, bool checkE
             }
         }
         // A chunk that decodes into fewer or more bytes than it has holds something else than its points.
-        if (trouble.empty() && checkEnd && done + batch == chunk.count && decoder.position() != chunk.bytes)
-            trouble = "its end is not where it should be";
+        if (trouble.empty() && whole && done + batch == chunk.count) {
+            if (decoder.position() != chunk.bytes)
+                trouble = "its end is not where it should be";
+            else if (!whole())
+                trouble = "it has zeros in place of its bytes";
+        }
         if (!trouble.empty()) {
-            shared.receiver.withdrawn({first, first + given});
-            shared.miss({first, chunk.first + chunk.count}, trouble);
+            shared.receiver.withdrawn({chunk.first + arrived, first + given});
+            shared.miss({chunk.first + arrived, chunk.first + chunk.count}, trouble);
             shared.progress.add(chunk.count - done);
             return;
         }
         done += batch;
-        shared.receiver.arrived({first, first + batch});
+        if (!whole || done == chunk.count) arrive(done);
         shared.progress.add(batch);
     }
 }
@@ -218,14 +231,18 @@ void Reader::Impl::visitChunk(const Chunk& chunk, ChunkWorker& worker, Shared& s
         worker.decoder->restart(worker.data);
     else
         worker.decoder = std::make_unique<PointDecoder>(parsed.laz, worker.data, chunk.count);
-    decode(*worker.decoder, chunk, !chunk.cut, worker.records, shared);
+    const auto whole = [&] {
+        return parsed.laz.compressor == LazInfo::Layered ||
+               wholeChunk(parsed.laz, worker.data, chunk.count, *worker.decoder);
+    };
+    decode(*worker.decoder, chunk, chunk.cut ? std::function<bool()>() : whole, worker.records, shared);
     if (!worker.decoder->reusable()) worker.decoder.reset();
 }
 
 void Reader::Impl::visitStream(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const
 {
     PointDecoder decoder(parsed.laz, file, chunk.offset, chunk.bytes, chunk.count);
-    decode(decoder, chunk, false, scratch, shared);
+    decode(decoder, chunk, {}, scratch, shared);
 }
 
 ReadResult Reader::Impl::visit(Progress& progress, const Receiver& receiver) const

@@ -2,10 +2,14 @@
 #include "core/las/SourceParser.h"
 
 #include "core/Error.h"
+#include "core/Text.h"
+#include "core/las/ChunkProbe.h"
 #include "core/las/Compatible.h"
 #include "core/las/Crs.h"
 #include "core/las/File.h"
 #include "core/las/Leftovers.h"
+#include "core/las/OtherFiles.h"
+#include "core/las/TailPoints.h"
 #include "core/las/WaveformFile.h"
 
 #include <glm/common.hpp>
@@ -29,6 +33,8 @@ constexpr std::size_t kSampleChunks = 1024;  ///< LAZ: chunks whose first point 
 constexpr double kLargestCoordinate = 1e18;  ///< beyond it no unit makes sense
 constexpr double kHeaderBoxAtMost = 20;      ///< times the sampled extent, else the header's box is not believed
 constexpr std::size_t kSamplesToJudge = 32;  ///< fewer samples say little on the extent
+constexpr std::uint64_t kSector = 512;       ///< bytes; an interrupted copy lacks whole ones
+constexpr std::uint64_t kMostZeros = 16 << 20;
 
 std::string text(std::uint64_t n)
 {
@@ -72,17 +78,25 @@ private:
         m_s.recovered = true;
     }
 
+    void refuseOtherFiles() const
+    {
+        std::vector<std::byte> head(std::size_t(std::min<std::uint64_t>(m_file.size(), kTellingBytes)));
+        m_file.readAt(0, head);
+        if (head.size() >= 4 && std::memcmp(head.data(), "LASF", 4) == 0) return;
+        const std::string instead = whatInstead(head);
+        refuse(instead.empty() ? "This is not a LAS file: its signature is not LASF." : instead);
+    }
+
     void readHeader()
     {
         Header& h = m_s.header;
-        if (m_file.size() < 4 || m_file.size() < kSmallestHeader) {
+        refuseOtherFiles();
+        if (m_file.size() < kSmallestHeader) {
             refuse("This is not a LAS file: it has " + text(m_file.size()) + " bytes, and a header needs " +
                    text(kSmallestHeader) + ".");
         }
         h.bytes.resize(kSmallestHeader);
         m_file.readAt(0, h.bytes);
-        if (std::memcmp(h.bytes.data(), "LASF", 4) != 0)
-            refuse("This is not a LAS file: its signature is not LASF.");
         const std::uint16_t size = h.headerSize();
         if (h.versionMajor() != 1 || h.versionMinor() > kNewestMinor)
             refuse("LAS version " + h.version() + " is not supported.");
@@ -206,17 +220,32 @@ private:
         if (evlrStart != 0 && !m_s.compressed) evlrStart = unwrapped(evlrStart);
         bool usable = evlrStart >= begin && evlrStart <= m_file.size() &&
                       m_file.size() - evlrStart >= Vlr::kExtendedHeaderSize;
-        if (evlrStart != 0 && usable && evlrStart < statedPointEnd()) {
-            usable = false;
-            warnRecovered(
-                "The extended records begin inside the point data; the points are read and the records "
-                "are ignored.");
-        } else if (evlrCount != 0 && !usable) {
-            warnRecovered("The " + text(evlrCount) + " extended records should begin at " + text(evlrStart) +
-                          ", where they cannot be; they are ignored.");
-        }
+        const std::uint64_t statedEnd = statedPointEnd();
+        std::string trouble;
+        if (evlrStart != 0 && usable && evlrStart < statedEnd)
+            trouble =
+                "The extended records begin inside the point data; the points are read and the records are "
+                "ignored.";
+        else if (evlrCount != 0 && !usable)
+            trouble = "The " + text(evlrCount) + " extended records should begin at " + text(evlrStart) +
+                      ", where they cannot be; they are ignored.";
+        usable = usable && trouble.empty();
+        const auto find = [&](std::uint64_t from) {
+            const std::optional<std::uint64_t> found = findEvlrs(m_file, from, evlrCount);
+            if (!found || *found == evlrStart) return;
+            warn("The extended records are not where the header says (at " + text(evlrStart) + ") but at " +
+                 text(*found) + "; they are read there.");
+            trouble.clear();
+            usable = true;
+            evlrStart = *found;
+            if (!m_s.header.extendedCounts()) m_s.waveformEvlr = 0;
+        };
+        const bool lost = evlrCount != 0 && !(usable && endOfEvlrs(m_file, evlrStart, evlrCount));
+        if (lost && !m_s.compressed && statedEnd != 0) find(statedEnd);
         const std::uint64_t end = usable ? evlrStart : m_file.size();
         m_s.pointDataEnd = m_s.compressed ? locateCompressed(begin, end) : locatePlain(begin, end);
+        if (lost && m_s.compressed) find(m_s.pointDataEnd);
+        if (!trouble.empty()) warnRecovered(trouble);
 
         if (usable) {
             m_s.gapAfterPoints = bytes(m_s.pointDataEnd, evlrStart);
@@ -269,14 +298,26 @@ private:
                      "); the file holds " + text(held) + ".");
         } else {
             const std::uint64_t stated = counts.front();
-            m_s.pointCount = std::min(stated, held);
-            if (stated > held)
-                warnRecovered("The header says " + text(stated) + " points, the file holds " + text(held) + ".");
+            m_s.pointCount = stated < held ? recordsAfterAll(m_file, m_s, begin, stated, held) : held;
+            const std::string sentence =
+                "The header says " + text(stated) + " points, the file holds " + text(m_s.pointCount) + ".";
+            if (m_s.pointCount < stated)
+                warnRecovered(sentence);
+            else if (m_s.pointCount > stated)
+                warn(sentence);
             else if (counts.size() > 1)
                 warn("The header's two point counts differ (" + text(counts[0]) + " and " + text(counts[1]) +
                      "); the first is used.");
+            else if (stated == 0)
+                warn("The header says 0 points, and the " + text(end - begin) +
+                     " bytes that follow do not look like any; they are kept.");
         }
-        return begin + m_s.pointCount * length;
+        const std::uint64_t pointsEnd = begin + m_s.pointCount * length;
+        const std::uint64_t zeros = pointsEnd - zerosBefore(m_file, begin, pointsEnd, kMostZeros);
+        if (zeros / length > 1 && zeros >= kSector)
+            warn(std::string(zeros >= kMostZeros ? "At least the" : "The") + " last " + grouped(zeros / length) +
+                 " points are nothing but zero bytes, as after an interrupted copy.");
+        return pointsEnd;
     }
 
     std::uint64_t locateCompressed(std::uint64_t begin, std::uint64_t end)

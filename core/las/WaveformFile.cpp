@@ -46,7 +46,7 @@ std::unique_ptr<AtomicFile> copyWaveforms(const fs::path& source, const AtomicFi
         return nullptr;
     }
     const File file(*from);
-    auto copy = std::make_unique<AtomicFile>(to, file.size());
+    auto copy = std::make_unique<AtomicFile>(to, file.size(), target.whenProtected());
     progress.begin("Copying waveforms", file.size());
     std::vector<std::byte> piece;
     for (std::uint64_t at = 0; at < file.size(); at += piece.size()) {

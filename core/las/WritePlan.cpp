@@ -111,11 +111,12 @@ private:
         m_source = m_cloud.source();
         if (m_source == nullptr) m_source = inventSource();
         m_made = m_source->path.empty();
+        m_read = m_source->asRead->get();
+        const bool damaged = m_source->recovered || !m_read.missing.empty();
         std::error_code ec;
-        if (m_source->recovered && std::filesystem::equivalent(m_source->path, m_target, ec))
+        if (damaged && std::filesystem::equivalent(m_source->path, m_target, ec))
             refuse(
                 "This file was damaged when it was opened; save under another name, so that the original stays.");
-        m_read = m_source->asRead->get();
         m_kept = KeptPoints(readable(m_cloud.size(), m_read.missing));
         if (const PointIndex lost = m_cloud.size() - m_kept.count(); lost != 0)
             note(pointsText(lost) + " that could not be read " + isOrAre(lost) + " left out.");
@@ -603,17 +604,14 @@ private:
 
     void setHeader()
     {
-        const std::size_t vlrsBefore = m_source->vlrs.size();
         resizeHeader();
         setEncoding();
         setFigures();
         if (m_restructured) setSignature();
-        // A count that announces more records than there are stays as wrong as it was, if it can.
-        const std::uint64_t announced = m_header.get(at::kVlrCount);
-        if (m_vlrs.size() != vlrsBefore) {
-            const std::uint64_t now = announced + m_vlrs.size() - vlrsBefore;
-            m_header.set(at::kVlrCount, std::uint32_t(now <= UINT32_MAX ? now : m_vlrs.size()));
-        }
+        if (const auto announced = m_header.get(at::kVlrCount); !m_made && announced != m_source->vlrs.size())
+            note("The header announced " + text(announced) +
+                 " variable length records; it says now how many there are.");
+        m_header.set(at::kVlrCount, std::uint32_t(m_vlrs.size()));
         const auto formatByte = std::uint8_t(m_format | (m_options.compressed ? 0x80 : 0));
         m_header.set(at::kPointFormat, formatByte);
         m_header.set(at::kRecordLength, m_layout.length);
@@ -693,20 +691,25 @@ void WritePlan::setPointDataEnd(std::uint64_t end)
 {
     Header h = Header::of(prefix);
     const std::uint64_t evlrStart = end + gapAfterPoints.size();
+    // What lies behind the points moves as a whole.
+    const auto moved = [&](std::uint64_t before) {
+        const bool behind = sourcePointDataEnd != 0 && before >= sourcePointDataEnd;
+        return behind ? before - sourcePointDataEnd + end : before;
+    };
     if (h.extendedCounts()) {
         const bool some = !evlrs.empty() || h.get(at::kEvlrCount) != 0;
         if (some) {
             h.set(at::kEvlrStart, evlrs.empty() ? std::uint64_t(0) : evlrStart);
             h.set(at::kEvlrCount, std::uint32_t(evlrs.size()));
+        } else if (const auto before = h.get(at::kEvlrStart); before != 0) {
+            h.set(at::kEvlrStart, moved(before));
         }
     }
     if (const auto before = h.get(at::kWaveformStart); h.versionMinor() >= 3 && before != 0) {
-        std::uint64_t now = before;
+        std::uint64_t now = moved(before);
         if (waveformEvlr) {
             now = evlrStart;
             for (std::size_t k = 0; k < *waveformEvlr; ++k) now += evlrs[k].bytesInFile();
-        } else if (before >= sourcePointDataEnd && sourcePointDataEnd != 0) {
-            now = before - sourcePointDataEnd + end;  // somewhere in the tail, which moves as a whole
         }
         h.set(at::kWaveformStart, now);
     }

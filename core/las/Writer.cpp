@@ -108,7 +108,11 @@ void verify(const AtomicFile& target, const WritePlan& plan, const Written& writ
     const auto wrong = plan.compressed
                            ? findWrongChunk(maker, parsed.laz, plan.chunks, written.chunks, file, progress)
                            : findWrongBlock(maker, file, plan.prefix.size(), progress);
-    if (wrong) differs("points " + std::to_string(wrong->first) + " to " + std::to_string(wrong->last - 1));
+    if (!wrong) return;
+    const std::string points = "points " + std::to_string(wrong->first) + " to " + std::to_string(wrong->last - 1);
+    if (!plan.compressed) differs(points);
+    throw Error("Compressing would not keep what is in the " + points +
+                "; nothing was changed. Save as LAS, which keeps everything.");
 }
 
 std::string lowerExtension(const std::filesystem::path& path)
@@ -193,6 +197,8 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
     progress.begin("Preparing", 0);
     try {
         if (!options.overwriteChanged) askIfChanged(cloud, path);
+        if (!options.replaceProtected && writeProtected(path))
+            throw WriteQuestion(WriteQuestion::Kind::TargetProtected, path, "This file is write-protected.");
         const auto begun = std::chrono::steady_clock::now();
         const auto native = nativeCloud(cloud, options.pointFormat);
         WritePlan plan = planWrite(native ? *native : cloud, path, options, progress);
@@ -200,7 +206,8 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
         const std::uint64_t begin = plan.prefix.size();
         const std::uint64_t plainEnd = begin + maker.points() * maker.layout().length;
 
-        AtomicFile file(path, options.compressed ? expectedChunks(plan.chunks) : plainEnd);
+        AtomicFile file(path, options.compressed ? expectedChunks(plan.chunks) : plainEnd,
+                        options.replaceProtected ? AtomicFile::Protected::Replace : AtomicFile::Protected::Refuse);
         const auto source = cloud.source();
         bool pristine = false;
         Written written;

@@ -23,8 +23,9 @@ class WriteQuestion : public Error
 {
 public:
     enum class Kind {
-        TargetChanged,  ///< overwriteChanged
-        Upgrade,        ///< upgrade
+        TargetChanged,    ///< overwriteChanged
+        TargetProtected,  ///< replaceProtected
+        Upgrade,          ///< upgrade
     };
     WriteQuestion(Kind kind, const std::filesystem::path& file, const std::string& sentence,
                   std::string becomes = {})
@@ -47,6 +48,7 @@ struct WriteOptions {
     bool verify = true;                        ///< decode the written file and compare before it takes its name
     bool upgrade = false;  ///< write another format or version where the source's cannot hold what is there now
     bool overwriteChanged = false;  ///< replace the cloud's file though another program changed it since
+    bool replaceProtected = false;  ///< replace a file that is write-protected
     bool copyChunks = true;  ///< take compressed chunks that no edit touched from the file that holds the cloud
 };
 

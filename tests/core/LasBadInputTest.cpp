@@ -41,6 +41,12 @@ class LasBadInputTest : public QObject
 private slots:
     void everyRow_data();
     void everyRow();
+    void otherFiles_data();
+    void otherFiles();
+    void countBelow_data();
+    void countBelow();
+    void tailsStay_data();
+    void tailsStay();
     void notRegular();
     void everyByteOfTheHeaderMayLie();
     void mutatedChunksDoNoHarm_data();
@@ -140,6 +146,183 @@ void LasBadInputTest::everyRow()
         QVERIFY(!again.source->recovered && again.result.missing.empty());
     }
     QVERIFY(lasfiles::readFile(path) == bad.bytes);
+}
+
+void LasBadInputTest::otherFiles_data()
+{
+    QTest::addColumn<QByteArray>("begins");
+    QTest::addColumn<QString>("said");
+    const auto row = [](const char* name, const QByteArray& begins, const char* said) {
+        QTest::newRow(name) << begins << QString(said);
+    };
+    row("web page", "<!DOCTYPE html>\n<html><head><title>404", "a web page; the link or the login");
+    row("web page with a mark", "\xEF\xBB\xBF\r\n  <HTML lang=\"en\">", "a web page");
+    row("LFS", "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n",
+        "a pointer of Git LFS to one; get the file itself with git lfs pull.");
+    row("annex", "/annex/objects/SHA256E-s12--abc.las\n", "a pointer of git-annex");
+    row("zip", QByteArray("PK\x03\x04\x14\x00\x00\x00", 8), "a ZIP archive; unpack it first.");
+    row("gzip", QByteArray("\x1F\x8B\x08\x00", 4), "a file compressed by gzip; unpack");
+    row("bzip2", "BZh91AY&SY", "bzip2");
+    row("xz",
+        QByteArray("\xFD"
+                   "7zXZ\0",
+                   6),
+        "xz");
+    row("Zstandard", QByteArray("\x28\xB5\x2F\xFD\x24", 5), "Zstandard");
+    row("7z", QByteArray("7z\xBC\xAF\x27\x1C", 6), "a 7z archive");
+    row("tar", QByteArray(257, 'a') + "ustar", "a tar archive");
+    row("PDF", "%PDF-1.7\n", "a PDF document.");
+    row("E57", "ASTM-E57", "an E57 file; convert it");
+    row("PLY", "ply\nformat ascii 1.0\n", "a PLY file; convert it");
+    row("PCD", "# .PCD v.7 - Point Cloud Data\n", "a PCD file; convert it");
+    row("PNG", "\x89PNG\r\n\x1A\n", "a PNG picture.");
+    row("TIFF", QByteArray("II*\0", 4), "a TIFF picture.");
+    row("JSON", "{\"error\": \"access denied\"}", "a JSON document.");
+    row("XML", "<?xml version=\"1.0\"?><Error/>", "an XML document.");
+    row("text", "123.45 678.90 12.3\n123.46 678.91 12.4\n", "a text; points in lines of text must be converted");
+    row("zeros", QByteArray(5000, '\0'), "nothing but zero bytes");
+    row("something", QByteArray("\x01\x02LASF\xFF", 7), "its signature is not LASF.");
+    row("cut", "LASF", "it has 4 bytes, and a header needs 227");
+}
+
+void LasBadInputTest::otherFiles()
+{
+    QFETCH(QByteArray, begins);
+    QFETCH(QString, said);
+    // However long the rest is
+    for (const QByteArray& rest : {QByteArray(), QByteArray(600, begins.back())}) {
+        Bytes bytes(std::size_t(begins.size() + rest.size()));
+        std::memcpy(bytes.data(), (begins + rest).constData(), bytes.size());
+        try {
+            las::Reader::open(make("other.las", bytes));
+            QFAIL("it was opened");
+        } catch (const Error& e) {
+            if (begins == "LASF" && !rest.isEmpty()) continue;  // then it is refused by what its header says
+            QVERIFY2(QString(e.what()).contains(said), e.what());
+        }
+    }
+}
+
+namespace
+{
+
+/// A survey that is as surveys are: coordinates near each other, returns that can be.
+Bytes surveyRecords(std::uint8_t format, std::size_t count)
+{
+    const auto length = lasfiles::recordLength(format);
+    Bytes records = lasfiles::randomRecords(format, length, count, 3, true);
+    std::mt19937 random(1);
+    for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t k = 0; k < 3; ++k)
+            lasfiles::set(records, i * length + 4 * k, std::int32_t(100000 * k + i + random() % 5000));
+        const unsigned returns = 1 + random() % 5, number = 1 + random() % returns;
+        lasfiles::set(records, i * length + 14, std::uint8_t(number | returns << (format < 6 ? 3 : 4)));
+    }
+    return records;
+}
+
+Bytes withBox(Bytes head, std::size_t count)
+{
+    for (std::size_t k = 0; k < 3; ++k) {
+        lasfiles::set(head, 179 + 16 * k, 0.01 * double(100000 * k + count + 5000));
+        lasfiles::set(head, 187 + 16 * k, 0.01 * double(100000 * k));
+    }
+    return head;
+}
+
+}  // namespace
+
+void LasBadInputTest::countBelow_data()
+{
+    QTest::addColumn<int>("format");
+    QTest::addColumn<int>("stated");
+    QTest::addColumn<bool>("box");
+    QTest::addColumn<QString>("after");
+    for (const int format : {1, 3, 6, 8})
+        for (const int stated : {0, 1, int(kCount / 2), int(kCount - 1)})
+            for (const bool box : {false, true})
+                for (const char* after : {"", "part of a record", "padding", "EVLR"})
+                    if (format >= 6 || after != QString("EVLR"))
+                        QTest::addRow("format %d, %d stated, %s, %s", format, stated, box ? "box" : "no box", after)
+                            << format << stated << box << QString(after);
+}
+
+void LasBadInputTest::countBelow()
+{
+    // The data decides: a header that its writer never finished, or that counts half of the points.
+    QFETCH(int, format);
+    QFETCH(int, stated);
+    QFETCH(bool, box);
+    QFETCH(QString, after);
+    const auto f = std::uint8_t(format);
+    const auto length = lasfiles::recordLength(f);
+    const Bytes points = surveyRecords(f, kCount);
+    Bytes head = lasfiles::header(lasfiles::minorFor(f), f, length, std::uint64_t(stated));
+    if (box) head = withBox(head, kCount);
+    if (f >= 6) lasfiles::set<std::uint16_t>(head, 6, 16);
+    Bytes end;
+    if (after == "part of a record") end.assign(points.begin(), points.begin() + length / 2);
+    if (after == "padding") end = Bytes(4096);
+    if (after == "EVLR") {
+        end = lasfiles::record("a", 1, Bytes(10), true);
+        lasfiles::set<std::uint64_t>(head, 235, head.size() + points.size());
+        lasfiles::set<std::uint32_t>(head, 243, 1);
+    }
+    const fs::path path = make("below.las", lasfiles::file(head, {}, points, end));
+    const Opened o = openAll(path);
+    QCOMPARE(o.cloud->size(), PointIndex(kCount));
+    QVERIFY(!o.source->recovered && o.result.missing.empty());
+    QCOMPARE(QString::fromStdString(o.source->warnings.at(0)),
+             QString("The header says %1 points, the file holds %2.").arg(stated).arg(kCount));
+
+    // What is saved says so, and nothing else of it is lost.
+    Progress progress;
+    const fs::path copy = fs::path(m_dir.path().toStdString()) / "copy.las";
+    las::write(*o.cloud, copy, {}, progress);
+    const Bytes written = lasfiles::readFile(copy);
+    QVERIFY(std::equal(points.begin(), points.end(), written.begin() + std::ptrdiff_t(head.size())));
+    QVERIFY(std::equal(end.begin(), end.end(), written.end() - std::ptrdiff_t(end.size()), written.end()));
+    QVERIFY(openAll(copy).source->warnings.empty());
+}
+
+void LasBadInputTest::tailsStay_data()
+{
+    QTest::addColumn<int>("format");
+    QTest::addColumn<QString>("what");
+    for (const int format : {1, 3, 6})
+        for (const char* what : {"zeros", "text", "random", "lost EVLRs", "another file"})
+            QTest::addRow("format %d, %s", format, what) << format << QString(what);
+}
+
+void LasBadInputTest::tailsStay()
+{
+    // Bytes after the points that are no points stay what they are, byte for byte, as LAS and through LAZ.
+    QFETCH(int, format);
+    QFETCH(QString, what);
+    const auto f = std::uint8_t(format);
+    const auto length = lasfiles::recordLength(f);
+    const Bytes points = surveyRecords(f, kCount);
+    Bytes tail(4000);
+    if (what == "text") std::fill(tail.begin(), tail.end(), std::byte('a'));
+    if (what == "random") tail = lasfiles::randomRecords(0, 20, 200, 9);
+    if (what == "lost EVLRs") tail = lasfiles::record("a", 1, Bytes(3000), true);
+    if (what == "another file") tail = plain(100);
+    Bytes head = withBox(lasfiles::header(lasfiles::minorFor(f), f, length, kCount), kCount);
+    if (f >= 6) lasfiles::set<std::uint16_t>(head, 6, 16);
+    const Bytes bytes = lasfiles::file(head, {}, points, tail);
+    const fs::path folder = m_dir.path().toStdString(), path = make("tail.las", bytes);
+    const Opened o = openAll(path);
+    QCOMPARE(o.cloud->size(), PointIndex(kCount));
+    QVERIFY(o.source->warnings.empty());
+    Progress progress;
+    las::WriteOptions options;
+    las::write(*o.cloud, folder / "tail2.las", options, progress);
+    QVERIFY(lasfiles::readFile(folder / "tail2.las") == bytes);
+    options.compressed = true;
+    las::write(*o.cloud, folder / "tail.laz", options, progress);
+    options.compressed = false;
+    las::write(*openAll(folder / "tail.laz").cloud, folder / "tail3.las", options, progress);
+    QVERIFY(lasfiles::readFile(folder / "tail3.las") == bytes);
 }
 
 void LasBadInputTest::notRegular()

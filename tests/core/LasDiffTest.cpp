@@ -256,6 +256,12 @@ void LasDiffTest::everyHeaderFieldHasItsName()
     d = diff(a, b);
     QCOMPARE_STRING(fields(d.header), "generating_software ");
     QVERIFY(las::toText(d.header[0].a).starts_with("0x74657374"));
+    // where there are no extended records, their beginning says nothing
+    b = a;
+    lasfiles::set<std::uint64_t>(b, 235, b.size());
+    d = diff(a, b);
+    QVERIFY(d.contentEqual());
+    QCOMPARE_STRING(fields(d.container), "evlr_start ");
     // a header of another version
     d = diff(a, lasfiles::file(lasfiles::header(2, 6, 30, 20), {}, records));
     QVERIFY(fields(d.header).find("version_minor header_size ") != std::string::npos);

@@ -69,6 +69,11 @@ inline std::uint16_t recordLength(std::uint8_t format)
     return kLengths[format];
 }
 
+inline bool hasTime(std::uint8_t format)
+{
+    return format == 1 || format >= 3;
+}
+
 /// Bytes of a VLR or EVLR.
 inline Bytes record(const std::string& user, std::uint16_t id, const Bytes& data, bool extended = false)
 {

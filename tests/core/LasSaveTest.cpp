@@ -5,7 +5,7 @@
 #include "core/las/SourceParser.h"
 #include "core/las/Writer.h"
 #include "core/task/Progress.h"
-#include "tests/core/LasFiles.h"
+#include "tests/core/BadInputs.h"
 #include "tests/core/LoadAndSave.h"
 
 #include <QTemporaryDir>
@@ -13,6 +13,8 @@
 
 #include <sys/stat.h>
 #include <sys/xattr.h>
+
+#include <mutex>
 
 using namespace punctum;
 using lasfiles::Bytes;
@@ -34,10 +36,12 @@ private slots:
     void chunksOfDifferentSizes_data();
     void chunksOfDifferentSizes();
     void lostChunksLeaveTheOthers();
-    void lostPartsMakeChunksUneven();
+    void damagedChunksAreLostWhole();
     void versionsAreNotMixed();
     void indexStaysWithItsPoints();
     void changedTargetIsAsked();
+    void protectedTargetIsAsked();
+    void linkToNothingIsFollowed();
     void targetThatChangesMeanwhileStays();
     void attributesAndAccessAreKept();
     void indexBesideIsSetAside();
@@ -258,27 +262,33 @@ void LasSaveTest::lostChunksLeaveTheOthers()
     }
 }
 
-void LasSaveTest::lostPartsMakeChunksUneven()
+void LasSaveTest::damagedChunksAreLostWhole()
 {
-    // the second part of the first chunk is damaged: what is left of it is cut anew
+    // What decodes long after the damage is not what was written: none of the chunk's points arrives, though there
+    // are more of them than arrive at once.
     const std::size_t count = 150000;
     Bytes points = lasfiles::randomRecords(0, 20, count, 9, true);
     Bytes laz = lasfiles::lazFile(0, 20, points, 70000);
     const auto chunk = parsed(make("whole.laz", laz)).chunks[0];
-    laz[std::size_t(chunk.offset + chunk.bytes * 97 / 100)] ^= std::byte(0x55);
-    const auto cloud = load(make("part.laz", laz));
-    const auto missing = cloud->source()->asRead->get().missing;
-    QCOMPARE(missing.size(), std::size_t(1));
-    QVERIFY(missing[0].first > 0);
-    QCOMPARE(missing[0].last, PointIndex(70000));
-    const auto report = save(*cloud, temp("uneven.laz"));
+    laz[std::size_t(chunk.offset + chunk.bytes * 3 / 100)] ^= std::byte(0x55);
+    const auto reader = las::Reader::open(make("part.laz", laz));
+    const auto cloud = reader->createCloud();
+    std::mutex mutex;
+    PointIndex first = count, arrived = 0;
+    Progress progress;
+    const auto result = reader->read(*cloud, progress, [&](PointRange r) {
+        const std::lock_guard lock(mutex);
+        first = std::min(first, r.first);
+        arrived += r.size();
+    });
+    QCOMPARE(result.missing, (std::vector<PointRange>{{0, 70000}}));
+    QCOMPARE(first, PointIndex(70000));
+    QCOMPARE(arrived, PointIndex(80000));
+    QVERIFY_EXCEPTION_THROWN(save(*cloud, temp("part.laz")), Error);  // the original stays
+    const auto report = save(*cloud, temp("rest.laz"));
     QCOMPARE(report.chunksCopied, std::uint64_t(2));
-    points.erase(points.begin() + std::ptrdiff_t(missing[0].first * 20), points.begin() + 70000 * 20);
-    QVERIFY(lasfiles::recordsByLaszip(temp("uneven.laz"), 0, 20, points.size() / 20) == points);
-    const Bytes uneven = lasfiles::readFile(temp("uneven.laz"));
-    QCOMPARE(lasfiles::get<std::uint32_t>(uneven, payloadAt(uneven) + kChunkSizeAt), kVariable);
-    QCOMPARE(save(*load(temp("uneven.laz")), temp("again.laz")).chunksEncoded, std::uint64_t(0));
-    QVERIFY(lasfiles::readFile(temp("again.laz")) == uneven);
+    points.erase(points.begin(), points.begin() + 70000 * 20);
+    QVERIFY(lasfiles::recordsByLaszip(temp("rest.laz"), 0, 20, points.size() / 20) == points);
 }
 
 void LasSaveTest::versionsAreNotMixed()
@@ -366,6 +376,54 @@ void LasSaveTest::changedTargetIsAsked()
     // another file than the cloud's own is replaced without a question: whoever chose its name was asked
     save(*cloud, make("elsewhere.las", theirs));
     QVERIFY(lasfiles::readFile(temp("elsewhere.las")) == mine);
+}
+
+void LasSaveTest::protectedTargetIsAsked()
+{
+    // Renaming over a file needs no right to write to it, so the program must look.
+    const auto cloud = load(make("free.las", lasfiles::bad::plain(10)));
+    const Bytes old(33, std::byte('o'));
+    const fs::path target = make("protected.las", old);
+    ::chmod(target.c_str(), 0444);
+    fs::create_symlink("protected.las", temp("protected link.las"));
+    for (const char* name : {"protected.las", "protected link.las"}) {
+        try {
+            save(*cloud, temp(name));
+            QFAIL("it was replaced");
+        } catch (const las::WriteQuestion& question) {
+            QCOMPARE(question.kind(), las::WriteQuestion::Kind::TargetProtected);
+            QCOMPARE(QString(question.what()), QString(name) + ": This file is write-protected.");
+        }
+        QVERIFY_EXCEPTION_THROWN(las::AtomicFile(temp(name)), Error);
+    }
+    QVERIFY(lasfiles::readFile(target) == old);
+    las::WriteOptions options;
+    options.replaceProtected = true;
+    save(*cloud, target, options);
+    QVERIFY(lasfiles::readFile(target) == lasfiles::bad::plain(10));
+    struct stat s {
+    };
+    QCOMPARE(::stat(target.c_str(), &s), 0);
+    QCOMPARE(s.st_mode & 07777, mode_t(0444));
+}
+
+void LasSaveTest::linkToNothingIsFollowed()
+{
+    // The file is made where the link leads to, through another link, and the links stay.
+    const auto cloud = load(make("linked.las", lasfiles::bad::plain(10)));
+    const fs::path folder = temp("elsewhere");
+    fs::create_directory(folder);
+    fs::create_symlink("elsewhere/second.las", temp("first.las"));
+    fs::create_symlink(folder / "real.las", folder / "second.las");
+    save(*cloud, temp("first.las"));
+    QVERIFY(fs::is_symlink(temp("first.las")) && fs::is_symlink(folder / "second.las"));
+    QVERIFY(!fs::is_symlink(folder / "real.las"));
+    QVERIFY(lasfiles::readFile(folder / "real.las") == lasfiles::bad::plain(10));
+    fs::create_symlink("nowhere/a.las", temp("nowhere.las"));
+    fs::create_symlink("circle.las", temp("circle.las"));
+    QVERIFY_EXCEPTION_THROWN(save(*cloud, temp("nowhere.las")), Error);
+    QVERIFY_EXCEPTION_THROWN(save(*cloud, temp("circle.las")), Error);
+    QVERIFY(fs::is_symlink(temp("nowhere.las")) && fs::is_symlink(temp("circle.las")));
 }
 
 void LasSaveTest::targetThatChangesMeanwhileStays()

@@ -39,6 +39,10 @@ private slots:
     void lossesAreRefused();
     void versionsChange();
     void evlrsAndWaveformsMove();
+    void announcedRecordsAreThoseThatAreThere();
+    void startOfNoRecordsMoves();
+    void negativeZeroTimesAreKept_data();
+    void negativeZeroTimesAreKept();
     void copcBecomesOrdinary();
     void damagedPointsAreLeftOut();
     void fullDiskLeavesTarget();
@@ -452,6 +456,80 @@ void LasWriterTest::evlrsAndWaveformsMove()
     QCOMPARE(lasfiles::get<std::uint64_t>(laz3, 227), std::uint64_t(laz3.size() - 137));
     save(*load(temp("wave13.laz")), temp("wave13b.las"));
     QVERIFY(lasfiles::readFile(temp("wave13b.las")) == lasfiles::readFile(in3));
+}
+
+void LasWriterTest::announcedRecordsAreThoseThatAreThere()
+{
+    // A count that is wrong is not written again: LASzip refuses it.
+    const Bytes points = lasfiles::randomRecords(3, 34, 100, 5, true);
+    const Bytes vlr = lasfiles::record("a", 1, Bytes(20));
+    for (const std::uint32_t said : {2u, 1069128089u, UINT32_MAX}) {
+        Bytes bytes = lasfiles::file(lasfiles::header(2, 3, 34, 100), {vlr}, points);
+        lasfiles::set(bytes, 100, said);
+        const auto cloud = load(make("announced.las", bytes));
+        for (const char* name : {"announced2.las", "announced2.laz"}) {
+            const auto report = save(*cloud, temp(name));
+            QVERIFY(hasNote(report, std::to_string(said)));
+            const Bytes written = lasfiles::readFile(temp(name));
+            QCOMPARE(lasfiles::get<std::uint32_t>(written, 100), std::string(name).ends_with("laz") ? 2u : 1u);
+            QVERIFY(lasfiles::recordsByLaszip(temp(name), 3, 34, 100) == points);
+        }
+    }
+}
+
+void LasWriterTest::startOfNoRecordsMoves()
+{
+    // Where the header has a place for extended records, but none: it goes on to mean the end of the points.
+    Bytes head = lasfiles::header(4, 6, 30, 500);
+    lasfiles::set<std::uint64_t>(head, 235, head.size() + 500 * 30);
+    const Bytes bytes = lasfiles::file(head, {}, lasfiles::randomRecords(6, 30, 500, 5, true));
+    save(*load(make("start.las", bytes)), temp("start.laz"));
+    const Bytes laz = lasfiles::readFile(temp("start.laz"));
+    QCOMPARE(lasfiles::get<std::uint64_t>(laz, 235), std::uint64_t(laz.size()));
+    save(*load(temp("start.laz")), temp("start2.las"));
+    QVERIFY(lasfiles::readFile(temp("start2.las")) == bytes);
+}
+
+void LasWriterTest::negativeZeroTimesAreKept_data()
+{
+    QTest::addColumn<int>("format");
+    for (int format = 0; format <= 10; ++format)
+        if (lasfiles::hasTime(std::uint8_t(format))) QTest::addRow("format %d", format) << format;
+}
+
+void LasWriterTest::negativeZeroTimesAreKept()
+{
+    // LASzip takes -0 for 0 in the formats 6 to 10. Beside both stand times that are near to what they become when
+    // they are moved away from 0, and some that are no numbers.
+    QFETCH(int, format);
+    const auto f = std::uint8_t(format);
+    const auto length = std::uint16_t(lasfiles::recordLength(f) + 2);
+    const std::size_t count = 6000, at = f < 6 ? 20 : 22;
+    std::mt19937_64 random(2);
+    const std::uint64_t chosen[] = {0,
+                                    1ull << 63,
+                                    0,
+                                    1ull << 63,
+                                    0xFFFFFFFF00000000ull,
+                                    0x7FFFFFFF00000000ull,
+                                    0x7FF8000000000001ull,
+                                    5,
+                                    0xFFFFFFFFFFFFFFFFull,
+                                    0x4111111100000000ull};
+    for (const bool often : {true, false}) {
+        Bytes points = lasfiles::randomRecords(f, length, count, 6, true);
+        std::uint64_t time = 0x4100000000000000ull;
+        for (std::size_t i = 0; i < count; ++i) {
+            time += random() % 5000;
+            const bool other = random() % (often ? 2 : 500) == 0;
+            lasfiles::set(points, i * length + at, other ? chosen[random() % std::size(chosen)] : time);
+        }
+        const fs::path in = make(
+            "minus.las", lasfiles::file(lasfiles::header(lasfiles::minorFor(f), f, length, count), {}, points));
+        save(*load(in), temp("minus.laz"));
+        QVERIFY(recordsByUs(temp("minus.laz")) == points);
+        QVERIFY(lasfiles::recordsByLaszip(temp("minus.laz"), f, length, count) == points);
+    }
 }
 
 void LasWriterTest::copcBecomesOrdinary()
