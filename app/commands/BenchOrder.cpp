@@ -28,7 +28,7 @@ struct BenchOrderOptions : BenchOptions {
 };
 
 /// How far a picture is from the finished one.
-struct Error {
+struct Distance {
     double missing = 0;  ///< share of the pixels with a point that have none yet
     double color = 0;    ///< mean difference of a channel over the same pixels, 0 to 255
 };
@@ -83,7 +83,7 @@ private:
     render::ResolveSettings m_settings;
 };
 
-Error errorOf(const render::Image& image, const render::Image& finished)
+Distance distanceOf(const render::Image& image, const render::Image& finished)
 {
     std::uint64_t covered = 0;
     std::uint64_t missing = 0;
@@ -137,7 +137,7 @@ void measure(OrderKind order, const std::string& name, const std::shared_ptr<Poi
             const Slot upTo = Slot(std::min<std::uint64_t>(slots, (wanted + window - 1) / window * window));
             if (upTo > drawn) drawing.draw((from + drawn) % slots, upTo - drawn);
             drawn = std::max(drawn, upTo);
-            const Error error = errorOf(drawing.picture(), finished);
+            const Distance error = distanceOf(drawing.picture(), finished);
             figure("missing_at_" + std::to_string(percent) + "_percent", error.missing);
             figure("color_error_at_" + std::to_string(percent) + "_percent", error.color);
         }

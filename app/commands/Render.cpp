@@ -264,7 +264,7 @@ void runRender(const RenderRequest& request, Progress& progress)
                    {"attribute", renderer.shownAttribute()},
                    {"range", {renderer.range().first, renderer.range().second}},
                    {"covered", picture.covered},
-                   {"camera", jsonOf(camera)},
+                   {"camera", app::jsonOf(camera)},
                    {"seconds", seconds.count()}});
     else
         print(options.out + ": " + std::to_string(width) + " x " + std::to_string(height) + " px, " +
