@@ -88,6 +88,9 @@ las::WriteReport writeCloud(const PointCloud& cloud, const fs::path& path, const
                 throw Error(std::string(question.what()) + " Add --replace-protected to replace it all the same.");
             case las::WriteQuestion::Kind::Upgrade:
                 throw Error(std::string(question.what()) + " Add --upgrade to write " + question.becomes() + ".");
+            case las::WriteQuestion::Kind::Lossy:
+                throw Error(std::string(question.what()) + " Add --lossy to write " + question.becomes() +
+                            " all the same.");
         }
         throw;
     }
@@ -121,6 +124,12 @@ void reportWritten(const las::WriteReport& report, const fs::path& path, bool js
             all["chunks_encoded"] = report.chunksEncoded;
         }
         all["notes"] = report.notes;
+        if (!report.losses.empty()) {
+            Json losses = Json::array();
+            for (const las::Loss& loss : report.losses)
+                losses.push_back({{"what", loss.what}, {"becomes", loss.becomes}, {"points", loss.points}});
+            all["losses"] = std::move(losses);
+        }
         printJson(all);
         return;
     }

@@ -146,6 +146,11 @@ void Saves::askFor(const std::shared_ptr<Saving>& saving)
                                       "file then. You are asked once for this file.");
             question.yes = tr("&Save");
             break;
+        case las::WriteQuestion::Kind::Lossy:
+            question.text =
+                tr("Save as %1, without what it cannot hold?").arg(toQString(saving->question->becomes()));
+            question.yes = tr("&Save");
+            break;
     }
     m_workspace.askQuestion(question, [this, saving](bool wanted) {
         if (!wanted) {
@@ -162,6 +167,9 @@ void Saves::askFor(const std::shared_ptr<Saving>& saving)
             case las::WriteQuestion::Kind::Upgrade:
                 saving->options.upgrade = true;
                 if (saving->document) saving->document->allowUpgrade();
+                break;
+            case las::WriteQuestion::Kind::Lossy:
+                saving->options.lossy = true;
                 break;
         }
         startSave(saving);

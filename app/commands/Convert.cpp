@@ -20,6 +20,7 @@ struct ConvertOptions {
     std::string version;
     int format = -1;
     bool upgrade = false;
+    bool lossy = false;
     bool noVerify = false;
     bool replaceProtected = false;
     bool json = false;
@@ -36,6 +37,7 @@ void runConvert(const ConvertOptions& options, Progress& progress)
     write.verify = !options.noVerify;
     write.replaceProtected = options.replaceProtected;
     write.upgrade = options.upgrade;
+    write.lossy = options.lossy;
     reportWritten(writeCloud(*cloud, options.out, write, progress), options.out, options.json);
 }
 
@@ -49,13 +51,19 @@ void addConvert(CLI::App& root, Action& action)
     const auto options = std::make_shared<ConvertOptions>();
     command.add_option("IN", options->in, "LAS or LAZ file to read")->required();
     command.add_option("OUT", options->out, "File to write: .las or .laz")->required();
-    command.add_option("--las-version", options->version, "LAS version to write; default: as IN")
+    command
+        .add_option("--las-version", options->version,
+                    "LAS version to write, with the nearest point format that it has; default: as IN")
         ->type_name("VERSION")
-        ->check(CLI::IsMember({"1.2", "1.3", "1.4"}));
+        ->check(CLI::IsMember({"1.2", "1.3", "1.4", "1.5"}));
     command
         .add_option("--point-format", options->format, "Point data record format to write, 0 to 10; default: as IN")
         ->type_name("N")
         ->check(CLI::Range(0, 10));
+    command.add_flag(
+        "--lossy", options->lossy,
+        "Round or leave out what the point format and version asked for cannot hold, and say what and of "
+        "how many points");
     addUpgrade(command, options->upgrade);
     addNoVerify(command, options->noVerify);
     addReplaceProtected(command, options->replaceProtected);

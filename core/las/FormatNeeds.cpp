@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/las/FormatNeeds.h"
 
+#include "core/Text.h"
 #include "core/las/Parallel.h"
 #include "core/las/SourceFile.h"
 #include "core/task/Progress.h"
@@ -15,9 +16,9 @@ namespace
 {
 
 constexpr double kScanAngleStep = 0.006;
-constexpr std::uint8_t kHighestOldClass = 31, kOverlapClass = 12;
+constexpr std::uint8_t kOverlapClass = 12;
 
-/// "34 points have a class above 31", for each kind of value that a format cannot hold.
+/// How many points have each kind of value that a format cannot hold.
 struct Misfits {
     enum Kind { Class, Returns, Overlap, Channel, Angle, Gps, Color, Nir, Waveform, kKinds };
     std::array<std::uint64_t, kKinds> counts{};
@@ -26,22 +27,22 @@ struct Misfits {
     {
         for (std::size_t k = 0; k < kKinds; ++k) counts[k] += o.counts[k];
     }
-    std::vector<std::string> list() const
+    std::vector<Loss> list() const
     {
-        constexpr const char* kWhat[kKinds] = {"a class above 31",
-                                               "more than 7 returns",
-                                               "the overlap flag",
-                                               "a scanner channel",
-                                               "a scan angle that is no whole degree",
-                                               "a GPS time",
-                                               "colors",
-                                               "near infrared",
-                                               "a waveform"};
-        std::vector<std::string> all;
+        static const Loss kWhat[kKinds] = {
+            {"a class above 31", "becomes class 1 (unclassified)"},
+            {"more than 7 returns", "becomes 7, the last return number 7 and others 6 at most"},
+            {"the overlap flag", "is left out"},
+            {"a scanner channel", "is left out"},
+            {"a scan angle that is no whole degree", "is rounded"},
+            {"a GPS time", "is left out"},
+            {"colors", "are left out"},
+            {"near infrared", "is left out"},
+            {"a waveform", "is left out"},
+        };
+        std::vector<Loss> all;
         for (std::size_t k = 0; k < kKinds; ++k)
-            if (counts[k] != 0)
-                all.push_back(std::to_string(counts[k]) + (counts[k] == 1 ? " point has " : " points have ") +
-                              kWhat[k]);
+            if (counts[k] != 0) all.push_back({kWhat[k].what, kWhat[k].becomes, counts[k]});
         return all;
     }
 };
@@ -76,7 +77,7 @@ void countExtended(Misfits& m, const PackedColumns& packed, PointRange r)
     const auto* classes = reinterpret_cast<const std::uint8_t*>(packed.classes->data());
     const auto* angles = reinterpret_cast<const std::int16_t*>(packed.angle->data());
     for (PointIndex i = r.first; i < r.last; ++i) {
-        m.counts[Misfits::Returns] += (returns[i] & 15) > 7 || (returns[i] >> 4) > 7;
+        m.counts[Misfits::Returns] += (returns[i] & 15) > kMostOldReturns || (returns[i] >> 4) > kMostOldReturns;
         // class 12 says the same
         m.counts[Misfits::Overlap] += (flags[i] & 8) != 0 && classes[i] != kOverlapClass;
         m.counts[Misfits::Channel] += (flags[i] & 0x30) != 0;
@@ -102,6 +103,26 @@ std::uint8_t oldestMinor(std::uint8_t format) noexcept
     return format >= 2 ? 2 : 0;
 }
 
+std::uint8_t newestMinor(std::uint8_t format) noexcept
+{
+    return isExtendedFormat(format) ? kNewestMinor : 4;
+}
+
+std::uint8_t formatIn(std::uint8_t format, std::uint8_t minor) noexcept
+{
+    constexpr std::uint8_t kExtended[] = {6, 6, 7, 7, 9, 10}, kClassic[] = {1, 3, 3, 4, 5};
+    if (minor > newestMinor(format)) return kExtended[format];
+    if (isExtendedFormat(format) && minor < oldestMinor(format)) format = kClassic[format - 6];
+    if (hasWaveform(format) && minor < 3) format = format == 4 ? 1 : 3;
+    return format;
+}
+
+std::string Loss::text() const
+{
+    if (points == 0) return what;
+    return grouped(points) + (points == 1 ? " point has " : " points have ") + what;
+}
+
 std::shared_ptr<const Column> findColumn(const PointCloud& cloud, std::string_view name)
 {
     for (const auto& c : cloud.columns())
@@ -125,10 +146,7 @@ PackedColumns packedColumns(const PointCloud& cloud, const SourceFile& source)
 
 std::uint8_t FormatNeeds::formatFor(std::uint8_t format) const noexcept
 {
-    if ((extended || nir) && !isExtendedFormat(format)) {
-        constexpr std::uint8_t kExtended[] = {6, 6, 7, 7, 9, 10};
-        format = kExtended[format];
-    }
+    if ((extended || nir) && !isExtendedFormat(format)) format = formatIn(format, kNewestMinor);
     if (gps && !hasGpsTime(format)) ++format;  // 0 -> 1, 2 -> 3
     if (color && !hasColor(format)) {
         constexpr std::uint8_t kColored[] = {2, 3, 2, 3, 5, 5, 7, 7, 8, 10, 10};
@@ -146,7 +164,7 @@ FormatNeeds findNeeds(const PointCloud& cloud, const SourceFile& source, const s
     if (!packed.extended && packed.classes) {
         const auto found = reducePoints<Misfits>(
             kept, progress, [&](Misfits& m, PointRange r) { countHighClasses(m, *packed.classes, r); });
-        needs.reasons = found.list();
+        for (const Loss& loss : found.list()) needs.reasons.push_back(loss.text());
         needs.extended = !needs.reasons.empty();
     }
     const std::uint8_t format = source.layout.format;
@@ -167,8 +185,8 @@ FormatNeeds findNeeds(const PointCloud& cloud, const SourceFile& source, const s
     return needs;
 }
 
-std::string findLosses(const PointCloud& cloud, const SourceFile& source, const std::vector<PointRange>& kept,
-                       std::uint8_t to, Progress& progress)
+std::vector<Loss> findLosses(const PointCloud& cloud, const SourceFile& source, const std::vector<PointRange>& kept,
+                             std::uint8_t to, Progress& progress)
 {
     const std::uint8_t from = source.layout.format;
     const auto dropped = [&](auto has, std::initializer_list<const char*> names) {
@@ -197,10 +215,7 @@ std::string findLosses(const PointCloud& cloud, const SourceFile& source, const 
         if (old && packed.classes) countHighClasses(m, *packed.classes, r);
         if (old && packed.extended) countExtended(m, packed, r);
     });
-    std::string list;
-    for (const std::string& what : misfits.list()) list += (list.empty() ? "" : ", ") + what;
-    if (list.empty()) return {};
-    return "Point format " + std::to_string(to) + " cannot hold these points: " + list + ".";
+    return misfits.list();
 }
 
 }  // namespace punctum::las

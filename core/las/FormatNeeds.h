@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/las/Loss.h"
 #include "core/las/PointFormat.h"
 
 #include <array>
@@ -19,8 +20,16 @@ namespace punctum::las
 
 struct SourceFile;
 
-/// Oldest LAS 1.x that has the point format (LAS 1.4 R15, table 1).
+/// Newest LAS 1.x that is written.
+constexpr std::uint8_t kNewestMinor = 5;
+/// Oldest LAS 1.x that has the point format (LAS 1.4 R15, table 1), and the newest (LAS 1.5, 2.3).
 std::uint8_t oldestMinor(std::uint8_t format) noexcept;
+std::uint8_t newestMinor(std::uint8_t format) noexcept;
+/// The point format nearest to this one that LAS 1.minor has (minor: 2 and more).
+std::uint8_t formatIn(std::uint8_t format, std::uint8_t minor) noexcept;
+
+/// What formats 0-5 write where a record of the formats 6-10 says more (las.md, "A way down").
+constexpr std::uint8_t kHighestOldClass = 31, kUnclassified = 1, kMostOldReturns = 7;
 
 /// The columns that hold what formats 0-5 and 6-10 pack in different ways; null where the cloud has none.
 struct PackedColumns {
@@ -51,9 +60,8 @@ struct FormatNeeds {
 FormatNeeds findNeeds(const PointCloud& cloud, const SourceFile& source, const std::vector<PointRange>& kept,
                       Progress& progress);
 
-/// What of these points is lost in format `to`: "Point format 3 cannot hold these points: 34 points have a class
-/// above 31." Empty when nothing is. Throws Cancelled.
-std::string findLosses(const PointCloud& cloud, const SourceFile& source, const std::vector<PointRange>& kept,
-                       std::uint8_t to, Progress& progress);
+/// What of these points is lost in format `to` of LAS 1.minor, by kinds. Throws Cancelled.
+std::vector<Loss> findLosses(const PointCloud& cloud, const SourceFile& source, const std::vector<PointRange>& kept,
+                             std::uint8_t to, Progress& progress);
 
 }  // namespace punctum::las

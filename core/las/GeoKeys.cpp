@@ -115,4 +115,46 @@ std::string wktOf(const GeoKeys& keys, std::string& name)
     return text;
 }
 
+std::vector<std::byte> keysOf(const std::string& wkt, std::string& name)
+{
+    const proj::Context context = proj::makeContext();
+    if (!context || wkt.empty()) return {};
+    proj::Object crs(proj_create_from_wkt(context.get(), wkt.c_str(), nullptr, nullptr, nullptr));
+    if (crs && proj_get_type(crs.get()) == PJ_TYPE_BOUND_CRS)
+        crs.reset(proj_get_source_crs(context.get(), crs.get()));
+    if (!crs) return {};
+    name = proj_get_name(crs.get());
+    proj::Object height;
+    if (proj_get_type(crs.get()) == PJ_TYPE_COMPOUND_CRS) {
+        height.reset(proj_crs_get_sub_crs(context.get(), crs.get(), 1));
+        crs.reset(proj_crs_get_sub_crs(context.get(), crs.get(), 0));
+        if (!height || !crs) return {};
+    }
+    const bool projected = proj_get_type(crs.get()) == PJ_TYPE_PROJECTED_CRS;
+    if (!projected && proj_get_type(crs.get()) != PJ_TYPE_GEOGRAPHIC_2D_CRS) return {};
+    const std::uint16_t code = proj::codeOf(context.get(), crs.get());
+    const std::uint16_t heightCode = height ? proj::codeOf(context.get(), height.get()) : std::uint16_t(0);
+    if (code == 0 || (height && heightCode == 0)) return {};
+    const auto unitOf = [&](const PJ* part) {
+        const std::uint16_t own = proj::codeOf(context.get(), part);
+        const proj::Object known = proj::fromCode(context.get(), own);
+        return proj::unitOfAxis(context.get(), known.get(), 0).code;
+    };
+    std::vector<std::uint16_t> words{1, 1, 0, 0};
+    const auto add = [&](std::uint16_t id, std::uint16_t value) {
+        words.insert(words.end(), {id, 0, 1, value});
+        ++words[3];
+    };
+    add(geo::kModelType, projected ? geo::kModelProjected : geo::kModelGeographic);
+    add(projected ? geo::kProjectedType : geo::kGeographicType, code);
+    if (projected) add(geo::kLinearUnits, unitOf(crs.get()));
+    if (height) {
+        add(geo::kVerticalType, heightCode);
+        add(geo::kVerticalUnits, unitOf(height.get()));
+    }
+    std::vector<std::byte> bytes(words.size() * sizeof(std::uint16_t));
+    std::memcpy(bytes.data(), words.data(), bytes.size());
+    return bytes;
+}
+
 }  // namespace punctum::las

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -21,7 +22,7 @@ constexpr std::uint16_t kModelType = 1024, kCitation = 1026, kGeographicType = 2
                         kGeographicLinearUnits = 2052, kAngularUnits = 2054, kAngularUnitSize = 2055,
                         kProjectedType = 3072, kProjectedCitation = 3073, kLinearUnits = 3076,
                         kLinearUnitSize = 3077, kVerticalType = 4096, kVerticalUnits = 4099;
-constexpr std::uint16_t kUserDefined = 32767, kModelGeographic = 2, kModelGeocentric = 3;
+constexpr std::uint16_t kUserDefined = 32767, kModelProjected = 1, kModelGeographic = 2, kModelGeocentric = 3;
 }  // namespace geo
 
 /// The GeoTIFF keys of a file: four u16 a key (id, where, count, value), after four of header. Any bytes will do:
@@ -60,5 +61,9 @@ std::uint16_t verticalSystem(std::uint16_t code, std::uint16_t unit) noexcept;
 /// when the keys do not name it by its code, when the code is unknown, or when they state units that are not the
 /// system's own: WKT that says something else would be worse than none. `name`: what it is, for people.
 std::string wktOf(const GeoKeys& keys, std::string& name);
+
+/// The other way: bytes of a record of keys that name the system of this WKT by its EPSG codes. Empty when it has
+/// none, or is not the same as the system that EPSG has under its code. `name`: what it is, for people.
+std::vector<std::byte> keysOf(const std::string& wkt, std::string& name);
 
 }  // namespace punctum::las

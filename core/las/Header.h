@@ -72,7 +72,7 @@ constexpr Field<std::uint16_t> kTimeOffset{391};
 namespace encoding
 {
 constexpr std::uint16_t kAdjustedGpsTime = 1, kInternalWaveform = 2, kExternalWaveform = 4, kSyntheticReturns = 8,
-                        kWkt = 16;
+                        kWkt = 16, kTimeOffset = 64;  // kTimeOffset: since 1.5, there table 3
 }
 
 /// Size of the standard header of version 1.minor; user bytes may follow it.

@@ -7,6 +7,20 @@
 namespace punctum::las::proj
 {
 
+namespace
+{
+
+/// 0 where it is no number of 16 bits.
+std::uint16_t codeFrom(const char* text)
+{
+    unsigned number = 0;
+    for (; *text >= '0' && *text <= '9' && number <= UINT16_MAX; ++text)
+        number = number * 10 + unsigned(*text - '0');
+    return *text == '\0' && number <= UINT16_MAX ? std::uint16_t(number) : std::uint16_t(0);
+}
+
+}  // namespace
+
 Context makeContext()
 {
     Context context(proj_context_create());
@@ -29,6 +43,18 @@ Object fromCode(PJ_CONTEXT* context, std::uint16_t code)
         proj_create_from_database(context, "EPSG", std::to_string(code).c_str(), PJ_CATEGORY_CRS, 0, nullptr));
 }
 
+std::uint16_t codeOf(PJ_CONTEXT* context, const PJ* crs)
+{
+    const char* const authority = proj_get_id_auth_name(crs, 0);
+    const char* const text = proj_get_id_code(crs, 0);
+    if (authority == nullptr || text == nullptr || std::string_view(authority) != "EPSG") return 0;
+    const std::uint16_t code = codeFrom(text);
+    const Object known = fromCode(context, code);
+    const bool same = known && proj_is_equivalent_to_with_ctx(context, crs, known.get(),
+                                                              PJ_COMP_EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS) != 0;
+    return same ? code : std::uint16_t(0);
+}
+
 Unit unitOfAxis(PJ_CONTEXT* context, const PJ* crs, int axis)
 {
     Unit unit;
@@ -42,12 +68,8 @@ Unit unitOfAxis(PJ_CONTEXT* context, const PJ* crs, int axis)
     if (!std::isfinite(size) || size <= 0.0) return unit;
     unit.size = size;
     if (name != nullptr) unit.name = name;
-    if (code != nullptr && authority != nullptr && std::string_view(authority) == "EPSG") {
-        unsigned number = 0;
-        for (const char* p = code; *p >= '0' && *p <= '9' && number < 100000; ++p)
-            number = number * 10 + unsigned(*p - '0');
-        if (number <= UINT16_MAX) unit.code = std::uint16_t(number);
-    }
+    if (code != nullptr && authority != nullptr && std::string_view(authority) == "EPSG")
+        unit.code = codeFrom(code);
     const PJ_COORDINATE_SYSTEM_TYPE type = proj_cs_get_type(context, system.get());
     unit.angle = axis < 2 && (type == PJ_CS_TYPE_ELLIPSOIDAL || type == PJ_CS_TYPE_SPHERICAL);
     return unit;

@@ -29,6 +29,9 @@ bool hasDatabase(PJ_CONTEXT* context);
 /// The coordinate system that EPSG has under this code; null when there is none.
 Object fromCode(PJ_CONTEXT* context, std::uint16_t code);
 
+/// EPSG's code of a system that names it and is the same as what EPSG has under it; 0 when there is none.
+std::uint16_t codeOf(PJ_CONTEXT* context, const PJ* crs);
+
 /// Unit of an axis of a coordinate system: meters or radians of one, and its name ("US survey foot").
 struct Unit {
     double size = 0.0;  ///< 0: unknown

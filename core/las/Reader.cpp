@@ -363,6 +363,8 @@ ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& 
     }
     summary.complete = true;
     summary.missing = result.missing;
+    if (m_source->header.versionMinor() >= 5)
+        summary.gps = gpsRange(cloud, readable(cloud.size(), result.missing), progress);
     summary.extra = extraBytesRanges(cloud, *m_source, readable(cloud.size(), result.missing), progress);
     result.bounds = summary.bounds;
     m_source->asRead->set(std::move(summary));

@@ -16,6 +16,16 @@ constexpr double kScanAngleStep = 0.006;  ///< degrees, formats 6-10
 constexpr std::uint8_t kOverlapClass = 12;
 constexpr std::size_t kPiece = 4096;  ///< points converted at once
 
+/// Return number and number of returns of the formats 6-10 in the bits of the formats 0-5. Of more than 7 returns
+/// the last one stays the last, and no other becomes one.
+std::uint8_t classicReturns(std::uint8_t extended) noexcept
+{
+    const unsigned number = extended & 15u, of = extended >> 4;
+    const unsigned most = kMostOldReturns;
+    const unsigned cut = of > most && number < of ? std::min(number, most - 1) : std::min(number, most);
+    return std::uint8_t(cut | std::min(of, most) << 3);
+}
+
 /// Packed fields of the target, for a piece of points.
 struct Packed {
     std::array<std::uint8_t, kPiece> returns, flags, classes;
@@ -38,14 +48,15 @@ struct Packed {
                    std::size_t n)
     {
         for (std::size_t i = 0; i < n; ++i) {
-            returns[i] = std::uint8_t((r[i] & 7) | ((r[i] >> 4) & 7) << 3 | (f[i] & 0xC0));
-            classes[i] = std::uint8_t((c[i] & 31) | (f[i] & 7) << 5);
-            angle8[i] = std::int8_t(std::lround(double(a[i]) * kScanAngleStep));
+            returns[i] = std::uint8_t(classicReturns(r[i]) | (f[i] & 0xC0));
+            classes[i] = std::uint8_t((c[i] > kHighestOldClass ? kUnclassified : c[i]) | (f[i] & 7) << 5);
+            angle8[i] = std::int8_t(std::clamp(std::lround(double(a[i]) * kScanAngleStep), -128L, 127L));
         }
     }
     void foldClasses(const std::uint8_t* c, const std::uint8_t* w, std::size_t n)
     {
-        for (std::size_t i = 0; i < n; ++i) classes[i] = std::uint8_t((c[i] & 0xE0) | (w[i] & 31));
+        for (std::size_t i = 0; i < n; ++i)
+            classes[i] = std::uint8_t((c[i] & 0xE0) | (w[i] > kHighestOldClass ? kUnclassified : w[i]));
     }
 };
 

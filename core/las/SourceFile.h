@@ -6,6 +6,7 @@
 #include "core/cloud/PointCloud.h"
 #include "core/las/ExtraBytes.h"
 #include "core/las/File.h"
+#include "core/las/GpsTime.h"
 #include "core/las/Header.h"
 #include "core/las/PointFormat.h"
 
@@ -74,6 +75,7 @@ struct PointsAsRead {
     std::array<std::uint64_t, 16> byReturn{};  ///< points of return number 0 to 15
     std::vector<PointRange> missing;           ///< damaged: their values are 0 and mean nothing
     std::vector<ExtraBytesRange> extra;        ///< see extraBytesRanges
+    GpsRange gps;                              ///< of files whose header has one: LAS 1.5
 };
 
 /// The points of a cloud without those that are missing, as ranges.

@@ -7,6 +7,7 @@
 #include "core/las/Compatible.h"
 #include "core/las/Crs.h"
 #include "core/las/File.h"
+#include "core/las/FormatNeeds.h"
 #include "core/las/Leftovers.h"
 #include "core/las/OtherFiles.h"
 #include "core/las/TailPoints.h"
@@ -26,7 +27,6 @@ namespace
 {
 
 constexpr std::uint64_t kSmallestHeader = 227;
-constexpr std::uint8_t kNewestMinor = 5;
 constexpr std::size_t kSamplePlaces = 128;   ///< LAS: places in the file where points are looked at
 constexpr std::size_t kSampleRun = 64;       ///< LAS: neighboring points at each place
 constexpr std::size_t kSampleChunks = 1024;  ///< LAZ: chunks whose first point is looked at
@@ -119,8 +119,9 @@ private:
             refuse("The point data starts at " + text(h.pointOffset()) + ", outside the file.");
         m_s.compressed = h.compressed();
 
-        if (h.versionMinor() == kNewestMinor)
-            warn("The file is of LAS 1.5; it is read as 1.4, and what is new in 1.5 is kept.");
+        if (h.versionMinor() > newestMinor(format))
+            warn("LAS " + h.version() + " has no point format " + text(format) +
+                 "; the points are read all the same.");
         if (size < standardHeaderSize(h.versionMinor()))
             warn("The header of LAS " + h.version() + " should have " + text(standardHeaderSize(h.versionMinor())) +
                  " bytes, but has " + text(size) + "; the missing fields are taken as empty.");
@@ -367,6 +368,12 @@ private:
         if (isExtendedFormat(m_s.layout.format) && !m_s.header.says(encoding::kWkt))
             warn("Point format " + text(m_s.layout.format) +
                  " asks for a coordinate system in WKT, but the file does not announce one.");
+        if (m_s.header.versionMinor() >= 5 && m_s.header.says(encoding::kTimeOffset) &&
+            !m_s.header.says(encoding::kAdjustedGpsTime))
+            warn(
+                "The file announces GPS times with an offset, and denies it by another bit; they are taken as "
+                "seconds "
+                "of the week.");
         if (m_s.layout.compatible)
             warn("The file holds LAS 1.4 (point format " + text(m_s.layout.shownFormat()) +
                  ") in the form of LAS " + m_s.header.version() + " (point format " + text(m_s.layout.format) +

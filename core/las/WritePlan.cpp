@@ -4,9 +4,10 @@
 #include "core/Error.h"
 #include "core/Text.h"
 #include "core/las/Compatible.h"
+#include "core/las/CrsPlan.h"
 #include "core/las/ExtraBytesPlan.h"
 #include "core/las/ExtraBytesRange.h"
-#include "core/las/GeoKeys.h"
+#include "core/las/GpsTime.h"
 #include "core/las/Parallel.h"
 #include "core/task/Progress.h"
 
@@ -14,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace punctum::las
 {
@@ -161,8 +163,7 @@ private:
         if (m_format > kLastPointFormat) refuse("There is no point format " + text(m_format) + ".");
         const std::uint8_t minorBefore = m_header.versionMinor();
         m_minor = m_options.versionMinor.value_or(minorBefore);
-        if (m_options.versionMinor && (m_minor < 2 || m_minor > 4))
-            refuse("LAS 1." + text(m_minor) + " cannot be written; choose 1.2, 1.3 or 1.4.");
+        if (m_options.versionMinor) followVersion(before);
         const bool formatAsked = m_format != before || (m_options.versionMinor && m_minor != minorBefore);
         std::uint8_t needed = formatAsked ? oldestMinor(m_format) : std::uint8_t(0);
         const bool many = m_points > UINT32_MAX;
@@ -179,7 +180,28 @@ private:
             upgrade(needs.reasons, before, minorBefore);
         else if (m_minor != minorBefore && !m_options.versionMinor)
             note("The file becomes LAS 1." + text(m_minor) + ", which point format " + text(m_format) + " needs.");
+        if (m_format != before && m_minor > newestMinor(m_format)) {
+            m_minor = newestMinor(m_format);
+            note("The file becomes LAS 1." + text(m_minor) + ", the last version that has point format " +
+                 text(m_format) + ".");
+        }
         m_restructured = m_format != before || m_minor != minorBefore;
+    }
+
+    /// The version that was asked for decides the format, unless that was asked for, too.
+    void followVersion(std::uint8_t before)
+    {
+        if (m_minor < 2 || m_minor > kNewestMinor)
+            refuse("LAS 1." + text(m_minor) + " cannot be written; choose 1.2, 1.3, 1.4 or 1.5.");
+        if (m_options.pointFormat) {
+            if (m_minor > newestMinor(m_format))
+                refuse("LAS 1." + text(m_minor) + " has no point format " + text(m_format) + ", only 6 to 10.");
+            return;
+        }
+        m_format = formatIn(m_format, m_minor);
+        if (m_format != before)
+            note("The points become point format " + text(m_format) + ": LAS 1." + text(m_minor) +
+                 " has no point format " + text(before) + ".");
     }
 
     /// What there is now does not fit the source's format: another one only if the user says so.
@@ -221,12 +243,30 @@ private:
                                        ? f.column == "Classes"
                                        : m_conversion != RecordMaker::Conversion::None && packed(f.column);
             if (!extra && !converted) c = matching(f);
+            if (c != nullptr && !extra && f.column == "GpsTime") c = keepTimes(c);
             m_columns.push_back(std::move(c));
         }
         if (m_conversion != RecordMaker::Conversion::None &&
             (!m_packed.returns || !m_packed.flags || !m_packed.angle || (was && !m_packed.classes)))
             refuse("The cloud lacks a field of its point format and cannot be converted.");
         chooseExtraBytes();
+    }
+
+    /// Times with an offset, which only LAS 1.5 has, are counted as earlier versions do.
+    std::shared_ptr<const Column> keepTimes(const std::shared_ptr<const Column>& times)
+    {
+        if (m_minor >= 5 || gpsClock(m_source->header) != GpsClock::Offset) return times;
+        constexpr double kAdjusted = 1000.0, kSeconds = 1e6;  // of the offset
+        const double offset = m_source->header.get(at::kTimeOffset);
+        if (offset == kAdjusted) return times;
+        std::uint64_t rounded = 0;
+        auto shifted = shiftedTimes(*times, (offset - kAdjusted) * kSeconds, m_kept.ranges(), rounded, m_progress);
+        note("GPS times are counted as LAS 1." + text(m_minor) + " does: seconds less 1,000,000,000 instead of " +
+             grouped(std::uint64_t(offset * kSeconds)) + ".");
+        if (rounded != 0)
+            m_plan.losses.push_back({"a GPS time that is rounded when it is counted from another origin",
+                                     "is rounded by a ten-millionth of a second or less", rounded});
+        return shifted;
     }
 
     std::shared_ptr<const Column> matching(const RecordField& f) const
@@ -324,17 +364,7 @@ private:
     template <typename Which>
     std::size_t dropRecords(const Which& which)
     {
-        std::size_t dropped = 0;
-        for (auto* list : {&m_vlrs, &m_plan.evlrs})
-            for (std::size_t k = 0; k < list->size();) {
-                if (!which((*list)[k])) {
-                    ++k;
-                    continue;
-                }
-                erase(*list, k);
-                ++dropped;
-            }
-        return dropped;
+        return m_plan.dropRecords(m_vlrs, which);
     }
 
     // -- records besides the points
@@ -412,8 +442,9 @@ private:
                 waveform = stay.size();
                 stay.push_back(std::move(vlr));
             } else if (vlr.data.size() > UINT16_MAX) {
-                refuse("The extended record " + vlr.user() + "/" + text(vlr.recordId) + " with its " +
-                       text(vlr.data.size()) + " bytes cannot be kept in LAS 1." + text(m_minor) + ".");
+                m_plan.losses.push_back({"the extended record " + vlr.user() + "/" + text(vlr.recordId) + " of " +
+                                             grouped(vlr.data.size()) + " bytes",
+                                         "is left out", 0});
             } else {
                 vlr.extended = false;
                 m_vlrs.push_back(std::move(vlr));
@@ -429,13 +460,30 @@ private:
     void refuseLosses()
     {
         const std::uint8_t from = m_source->layout.format;
-        const std::string losses = findLosses(m_cloud, *m_source, m_kept.ranges(), m_format, m_progress);
-        if (!losses.empty()) refuse(losses);
+        std::vector<Loss>& losses = m_plan.losses;
+        for (Loss& loss : findLosses(m_cloud, *m_source, m_kept.ranges(), m_format, m_progress))
+            losses.push_back(std::move(loss));
+        const std::string target = "point format " + text(m_format) + " of LAS 1." + text(m_minor);
+        if (!losses.empty() && !m_options.lossy) {
+            std::string list;
+            for (const Loss& loss : losses) list += (list.empty() ? "" : ", ") + loss.text();
+            throw WriteQuestion(WriteQuestion::Kind::Lossy, m_target,
+                                "P" + target.substr(1) + " cannot hold all that is there: " + list + ".", target);
+        }
+        for (const Loss& loss : losses) note(sentence(loss));
         if (m_format == from) return;
         if (isExtendedFormat(m_format) && !hasGpsTime(from) && findColumn(m_cloud, "GpsTime") == nullptr)
             note("Point format " + text(m_format) + " has a GPS time, which is 0 for all points.");
         if (hasNir(m_format) && !hasNir(from) && findColumn(m_cloud, "NIR") == nullptr)
             note("Point format " + text(m_format) + " has near infrared, which is 0 for all points.");
+    }
+
+    /// "34 points have a class above 31, which becomes class 1."
+    static std::string sentence(const Loss& loss)
+    {
+        std::string s = loss.text() + (loss.points == 0 ? " " : ", which ") + loss.becomes + ".";
+        if (s[0] >= 'a' && s[0] <= 'z') s[0] = char(s[0] - 'a' + 'A');
+        return s;
     }
 
     // -- header
@@ -444,11 +492,14 @@ private:
     {
         const std::uint8_t before = m_header.versionMinor();
         if (before == m_minor) return;
-        if (before == 5 && m_header.get(at::kTimeOffset) != 0)
-            refuse("The GPS time offset of LAS 1.5 cannot be kept in LAS 1." + text(m_minor) + ".");
         std::vector<std::byte>& b = m_header.bytes;
         const std::size_t standard = m_header.standardEnd();
-        const std::vector<std::byte> user(b.begin() + std::ptrdiff_t(standard), b.end());
+        std::vector<std::byte> user(b.begin() + std::ptrdiff_t(standard), b.end());
+        if (m_minor >= 5 && !user.empty()) {  // "may not be extended by users": LAS 1.5, 2.3
+            m_plan.userBytes = std::exchange(user, {});
+            note("The " + grouped(m_plan.userBytes.size()) +
+                 " bytes after the header, which LAS 1.5 allows no longer, are kept before the points.");
+        }
         b.resize(standard);
         b.resize(standardHeaderSize(m_minor));
         b.insert(b.end(), user.begin(), user.end());
@@ -456,55 +507,6 @@ private:
         m_header.set(at::kHeaderSize, std::uint16_t(b.size()));
         m_header.set(at::kVersionMinor, m_minor);
         if (before < 2) m_header.set(at::kGlobalEncoding, 0);  // was a reserved field
-    }
-
-    /// GeoTIFF keys into the WKT that formats 6-10 ask for, in their place. False when there are none, or when they
-    /// cannot be translated: then they stay.
-    bool translateCrs()
-    {
-        const auto find = [&](std::uint16_t id) -> const Vlr* {
-            for (const auto* list : {&m_vlrs, &m_plan.evlrs})
-                for (const Vlr& v : *list)
-                    if (v.is(geo::kUser, id)) return &v;
-            return nullptr;
-        };
-        const Vlr* const keys = find(geo::kKeysId);
-        if (keys == nullptr) return false;
-        std::string name;
-        const std::string wkt = wktOf(GeoKeys(*keys, find(geo::kAsciiId)), name);
-        if (wkt.empty()) {
-            note(
-                "The coordinate system stays in GeoTIFF keys, which cannot be translated into the WKT that point "
-                "format " +
-                text(m_format) + " asks for; some programs will not find it.");
-            return false;
-        }
-        std::vector<std::byte> data(wkt.size() + 1);  // with the NUL that the standard asks for
-        std::memcpy(data.data(), wkt.data(), wkt.size());
-        const auto isKeys = [](const Vlr& v) { return v.is(geo::kUser, geo::kKeysId); };
-        const auto place = std::find_if(m_vlrs.begin(), m_vlrs.end(), isKeys);
-        m_vlrs.insert(place, makeVlr(geo::kUser, geo::kWktId, geo::kWktDescription, std::move(data)));
-        dropRecords([](const Vlr& v) {
-            return v.is(geo::kUser, geo::kKeysId) || v.is(geo::kUser, geo::kDoublesId) ||
-                   v.is(geo::kUser, geo::kAsciiId);
-        });
-        note("The coordinate system was translated from GeoTIFF keys to WKT: " + name + ".");
-        return true;
-    }
-
-    void setEncoding()
-    {
-        std::uint16_t bits = m_header.globalEncoding();
-        const auto isWkt = [](const Vlr& v) { return v.is(geo::kUser, geo::kWktId); };
-        const bool hasWkt = std::any_of(m_vlrs.begin(), m_vlrs.end(), isWkt) ||
-                            std::any_of(m_plan.evlrs.begin(), m_plan.evlrs.end(), isWkt);
-        const bool becomesExtended = isExtendedFormat(m_format) && !isExtendedFormat(m_source->layout.format);
-        if (becomesExtended && (hasWkt || translateCrs())) bits |= encoding::kWkt;
-        if (m_minor < 4 && m_source->header.versionMinor() >= 4 && (bits & encoding::kWkt) != 0) {
-            bits &= std::uint16_t(~encoding::kWkt);
-            note("LAS 1." + text(m_minor) + " cannot announce the coordinate system in WKT; its record is kept.");
-        }
-        m_header.set(at::kGlobalEncoding, bits);
     }
 
     Summary summarize() const
@@ -544,8 +546,12 @@ private:
                              now.bounds != m_read.bounds || now.byReturn != m_read.byReturn ||
                              !headerCountIs(m_points);
         const bool moved = (m_minor >= 4) != (m_source->header.versionMinor() >= 4) ||
+                           (m_minor >= 5) != (m_source->header.versionMinor() >= 5) ||
                            isExtendedFormat(m_format) != isExtendedFormat(m_source->layout.format);
         if (changed || moved) setCounts(now);
+        if (const std::uint64_t beyond = now.byReturn[6] + now.byReturn[7]; moved && m_minor < 4 && beyond != 0)
+            note(pointsText(beyond) + " of the sixth and seventh return " + isOrAre(beyond) +
+                 " not in the header's counts by return, which end at the fifth.");
         if (changed && m_source->layout.compatible)
             for (auto* list : {&m_vlrs, &m_plan.evlrs})
                 for (Vlr& vlr : *list)
@@ -555,11 +561,21 @@ private:
             setBounds(now.bounds);
             m_restructured = true;
         }
+        if (m_minor >= 5) setGpsRange();
         const bool otherPoints = m_points != m_source->pointCount || now.bounds != m_read.bounds;
         if (!m_made && m_read.complete && otherPoints) {
             if (dropRecords([](const Vlr& v) { return v.is("LAStools", 10) || v.is("LAStools", 20); }) != 0)
                 note("LAStools' records on the tile that the points were are left out: they are other points now.");
         }
+    }
+
+    void setGpsRange()
+    {
+        const GpsRange now = gpsRange(m_cloud, m_kept.ranges(), m_progress);
+        if (!m_made && m_read.complete && m_source->header.versionMinor() >= 5 && now == m_read.gps) return;
+        m_header.set(at::kMaxGpsTime, now.max);
+        m_header.set(at::kMinGpsTime, now.min);
+        m_restructured = true;
     }
 
     void setCounts(const Summary& now)
@@ -605,7 +621,7 @@ private:
     void setHeader()
     {
         resizeHeader();
-        setEncoding();
+        planCrs(m_plan, m_vlrs, *m_source, m_format, m_minor, m_header);
         setFigures();
         if (m_restructured) setSignature();
         if (const auto announced = m_header.get(at::kVlrCount); !m_made && announced != m_source->vlrs.size())
@@ -619,7 +635,7 @@ private:
         forgetLostWaveforms();
         std::uint64_t offset = m_header.bytes.size();
         for (const Vlr& vlr : m_vlrs) offset += vlr.bytesInFile();
-        offset += m_source->gapBeforePoints.size();
+        offset += m_plan.userBytes.size() + m_source->gapBeforePoints.size();
         if (offset > UINT32_MAX)
             refuse("The records before the points are larger than the 4 GiB that a file can have.");
         m_header.set(at::kPointOffset, std::uint32_t(offset));
@@ -630,6 +646,7 @@ private:
             if (isLaszip(vlr)) m_plan.laszipAt = prefix.size() + Vlr::kHeaderSize;
             putVlr(prefix, vlr);
         }
+        prefix.insert(prefix.end(), m_plan.userBytes.begin(), m_plan.userBytes.end());
         prefix.insert(prefix.end(), m_source->gapBeforePoints.begin(), m_source->gapBeforePoints.end());
         m_plan.vlrs = std::move(m_vlrs);
         m_plan.maker = std::make_unique<RecordMaker>(std::move(m_layout), std::move(m_columns), m_conversion,

@@ -56,23 +56,38 @@ private:
 struct WritePlan {
     std::unique_ptr<RecordMaker> maker;
     bool compressed = false;
-    LazInfo laz;                    ///< when compressed: what LASzip writes for these records
-    ChunkPlan chunks;               ///< when compressed
-    std::vector<std::byte> prefix;  ///< header, VLRs, gap: the file up to the points
-    std::vector<Vlr> vlrs;          ///< those in `prefix`
-    std::size_t laszipAt = 0;       ///< of the laszip record's payload in the prefix
+    LazInfo laz;                       ///< when compressed: what LASzip writes for these records
+    ChunkPlan chunks;                  ///< when compressed
+    std::vector<std::byte> prefix;     ///< header, VLRs, gap: the file up to the points
+    std::vector<Vlr> vlrs;             ///< those in `prefix`
+    std::size_t laszipAt = 0;          ///< of the laszip record's payload in the prefix
+    std::vector<std::byte> userBytes;  ///< of the header, where the version allows none: before the gap
     std::vector<std::byte> gapAfterPoints;
     std::vector<Vlr> evlrs;
     std::vector<std::byte> tail;
     std::uint64_t sourcePointDataEnd = 0;  ///< 0 for clouds made here
     std::optional<std::size_t> waveformEvlr;
     std::vector<std::string> notes;
+    std::vector<Loss> losses;  ///< rounded or left out, since the options allow it
 
     /// Makes the records on compression and its index say what was written. `originVersions`: the chunks are coded
     /// as in the file they came from. `moved`: chunks or their places differ from those of the file that was read.
     void setCompression(bool originVersions, bool moved);
     /// Takes a record out, and keeps waveformEvlr on its record.
     void eraseEvlr(std::size_t k);
+    /// Takes those out of `list`, the VLRs to be, and of the EVLRs for which which(vlr) is true; how many there
+    /// were.
+    template <typename Which>
+    std::size_t dropRecords(std::vector<Vlr>& list, const Which& which)
+    {
+        std::size_t dropped = std::erase_if(list, which);
+        for (std::size_t k = evlrs.size(); k-- > 0;)
+            if (which(evlrs[k])) {
+                eraseEvlr(k);
+                ++dropped;
+            }
+        return dropped;
+    }
     /// Fills in the header's positions of what comes after the points; call when the points' end is known.
     void setPointDataEnd(std::uint64_t end);
     /// Gap, EVLRs and tail as they are written after the points.

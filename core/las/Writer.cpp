@@ -182,6 +182,15 @@ std::unique_ptr<AtomicFile> writeWaveforms(const SourceFile* source, const Recor
     return from.empty() ? nullptr : copyWaveforms(from, file, notes, progress);
 }
 
+/// The point format asked for, by itself or by a version that has no form of LASzip's compatibility mode.
+std::optional<std::uint8_t> formatAsked(const PointCloud& cloud, const WriteOptions& options)
+{
+    const auto& source = cloud.source();
+    if (!options.pointFormat && source && source->layout.compatible && options.versionMinor.value_or(0) >= 5)
+        return source->layout.shownFormat();
+    return options.pointFormat;
+}
+
 }  // namespace
 
 bool isCompressedName(const std::filesystem::path& path)
@@ -200,7 +209,7 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
         if (!options.replaceProtected && writeProtected(path))
             throw WriteQuestion(WriteQuestion::Kind::TargetProtected, path, "This file is write-protected.");
         const auto begun = std::chrono::steady_clock::now();
-        const auto native = nativeCloud(cloud, options.pointFormat);
+        const auto native = nativeCloud(cloud, formatAsked(cloud, options));
         WritePlan plan = planWrite(native ? *native : cloud, path, options, progress);
         const RecordMaker& maker = *plan.maker;
         const std::uint64_t begin = plan.prefix.size();
@@ -259,6 +268,7 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
         report.chunksEncoded = written.chunks.encoded;
         report.writeSeconds = writing.count();
         report.notes = std::move(plan.notes);
+        report.losses = std::move(plan.losses);
         return report;
     } catch (const Error& e) {
         if (e.file() == path) throw;

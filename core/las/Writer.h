@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/cloud/PointCloud.h"
+#include "core/las/Loss.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -26,6 +27,7 @@ public:
         TargetChanged,    ///< overwriteChanged
         TargetProtected,  ///< replaceProtected
         Upgrade,          ///< upgrade
+        Lossy,            ///< lossy
     };
     WriteQuestion(Kind kind, const std::filesystem::path& file, const std::string& sentence,
                   std::string becomes = {})
@@ -33,7 +35,7 @@ public:
     {
     }
     Kind kind() const noexcept { return m_kind; }
-    /// Upgrade: "point format 7 of LAS 1.4", which would hold all.
+    /// Upgrade, Lossy: "point format 7 of LAS 1.4", which would be written.
     const std::string& becomes() const noexcept { return m_becomes; }
 
 private:
@@ -43,10 +45,11 @@ private:
 
 struct WriteOptions {
     bool compressed = false;                   ///< LAZ
-    std::optional<std::uint8_t> versionMinor;  ///< 2, 3 or 4; default: as the source, 4 for clouds made here
+    std::optional<std::uint8_t> versionMinor;  ///< 2 to 5; default: as the source, 4 for clouds made here
     std::optional<std::uint8_t> pointFormat;   ///< 0-10; default: as the source
     bool verify = true;                        ///< decode the written file and compare before it takes its name
     bool upgrade = false;  ///< write another format or version where the source's cannot hold what is there now
+    bool lossy = false;    ///< round or leave out what the format and version that were asked for cannot hold
     bool overwriteChanged = false;  ///< replace the cloud's file though another program changed it since
     bool replaceProtected = false;  ///< replace a file that is write-protected
     bool copyChunks = true;  ///< take compressed chunks that no edit touched from the file that holds the cloud
@@ -60,6 +63,8 @@ struct WriteReport {
     std::uint64_t chunksEncoded = 0;  ///< LAZ: compressed anew
     double writeSeconds = 0;  ///< from columns to the file, without waiting for the disk and without reading back
     std::vector<std::string> notes;
+    std::vector<Loss>
+        losses;  ///< what was rounded or left out, since WriteOptions::lossy allowed it; notes tell it, too
 };
 
 /// LAZ when the path ends in .laz (any case), else LAS.

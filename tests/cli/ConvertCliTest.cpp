@@ -128,6 +128,36 @@ private slots:
         PUNCTUM_EXIT(run, 1);
         QVERIFY2(run.oneSentence(), run.said());
         QVERIFY(!QFile::exists(folder.filePath("out.las")));
+        QVERIFY2(run.err.contains("scan angle that is no whole degree") &&
+                     run.err.contains("Add --lossy to write point format 1 of LAS 1.4 all the same."),
+                 run.said());
+        const Outcome lossy = runPunctum(
+            {"convert", "in.las", "out.las", "--point-format", "1", "--las-version", "1.2", "--lossy", "--json"},
+            folder.path());
+        PUNCTUM_EXIT(lossy, 0);
+        QStringList kinds;
+        for (const QJsonValue& loss : lossy.json()["losses"].toArray()) {
+            QVERIFY(loss["points"].toInt() > 0 && !loss["becomes"].toString().isEmpty());
+            kinds << loss["what"].toString();
+        }
+        QVERIFY2(kinds.contains("a scan angle that is no whole degree") && kinds.contains("colors"),
+                 qPrintable(kinds.join(", ")));
+        QCOMPARE(LaszipFile(folder.filePath("out.las")).version(), 2);
+        QCOMPARE(LaszipFile(folder.filePath("out.las")).format(), 1);
+    }
+
+    void writesTheNewestVersion()
+    {
+        QTemporaryDir folder;
+        PUNCTUM_EXIT(runPunctum({"sample", "in.las", "--points", "1000"}, folder.path()), 0);
+        PUNCTUM_EXIT(runPunctum({"convert", "in.las", "new.laz", "--las-version", "1.5"}, folder.path()), 0);
+        const Outcome info = runPunctum({"info", "new.laz", "--json"}, folder.path());
+        QCOMPARE(info.json()["las_version"].toString(), QString("1.5"));
+        QCOMPARE(info.json()["warnings"].toArray().size(), 0);
+        PUNCTUM_EXIT(runPunctum({"convert", "new.laz", "old.las", "--las-version", "1.4"}, folder.path()), 0);
+        const Outcome diff = runPunctum({"diff", "in.las", "old.las", "--json"}, folder.path());
+        for (const QJsonValue& attribute : diff.json()["attributes"].toArray())
+            QCOMPARE(attribute["points"].toInt(), 0);
     }
 
     void reportsInJson()

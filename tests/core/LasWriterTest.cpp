@@ -264,7 +264,9 @@ void LasWriterTest::madeCloudHasSoundHeader()
                                                       {"Deviation", ScalarType::F32, "", {}, {}}};
     const CoordinateScale scale{{0.001, 0.001, 0.001}, {500000, 5000000, 100}};
     const PointIndex count = 1000;
-    const auto source = las::makeSource(7, fields, scale, "PROJCS[\"x\",UNIT[\"metre\",1]]", count);
+    const auto source = las::makeSource(
+        7, fields, scale, R"(LOCAL_CS["x",LOCAL_DATUM["d",0],UNIT["metre",1],AXIS["E",EAST],AXIS["N",NORTH]])",
+        count);
     PointCloud cloud(count, scale);
     las::makeColumns(cloud, source->layout);
     cloud.setSource(source);
@@ -292,7 +294,7 @@ void LasWriterTest::madeCloudHasSoundHeader()
         const auto back = load(temp(name), &result);
         QVERIFY(result.warnings.empty());
         QVERIFY(back->findAttribute("Reflectance")->scaled);
-        QVERIFY(back->source()->crs.starts_with("PROJCS"));
+        QVERIFY(back->source()->crs.starts_with("LOCAL_CS"));
     }
 
     // the same without saying where it comes from

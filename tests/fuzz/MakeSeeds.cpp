@@ -140,6 +140,16 @@ void make(const fs::path& realFiles)
                 chunk(name + " v" + std::to_string(version), laz, 10, version, false);
             if (format < 6) chunk(name + " stream", laz, 10, 1, true);
         }
+    for (const std::uint8_t format : {std::uint8_t(6), std::uint8_t(10)}) {  // of LAS 1.5, with an offset of times
+        const std::uint16_t length = lasfiles::recordLength(format);
+        Bytes head = lasfiles::header(5, format, length, kPoints);
+        lasfiles::set<std::uint16_t>(head, 6, 1 | 16 | 64);
+        lasfiles::set<double>(head, 375, 1e6);
+        lasfiles::set<double>(head, 383, -1e6);
+        lasfiles::set<std::uint16_t>(head, 391, 1355);
+        const Bytes records = lasfiles::randomRecords(format, length, kPoints, format, true);
+        wholeFile("las 1.5 format " + std::to_string(format), lasfiles::file(head, {}, records));
+    }
     for (const lasfiles::BadInput& row : lasfiles::badInputs(kPoints)) {
         if (row.bytes.size() > 8000) continue;
         wholeFile("bad " + row.name, row.bytes);
