@@ -80,15 +80,15 @@ void planCrs(WritePlan& plan, std::vector<Vlr>& vlrs, const SourceFile& source, 
     if (becomesNewest) {
         bits |= encoding::kWkt;  // must be set: LAS 1.5, table 4
         bits &= std::uint16_t(~encoding::kTimeOffset);
-        if (!hasWkt)
+        if (!hasWkt && find(plan, vlrs, geo::kKeysId) == nullptr)
             plan.notes.push_back(version + " asks for a coordinate system in WKT, which the file does not have.");
-        else if (plan.dropRecords(vlrs, isGeoTiff) != 0)
+        if (hasWkt && plan.dropRecords(vlrs, isGeoTiff) != 0)
             plan.notes.push_back("The GeoTIFF keys are left out, since " + version + " knows WKT alone.");
     }
     if (minor < 5 && before >= 5) bits &= std::uint16_t(~encoding::kTimeOffset);
     if (minor < 4 && before >= 4 && (bits & encoding::kWkt) != 0) {
         bits &= std::uint16_t(~encoding::kWkt);
-        if (hasWkt && !wktToKeys(plan, vlrs, source.crs))
+        if (hasWkt && !source.crs.empty() && !wktToKeys(plan, vlrs, source.crs))
             plan.notes.push_back(version +
                                  " cannot announce the coordinate system in WKT, and GeoTIFF keys could "
                                  "not say the same; its record is kept.");

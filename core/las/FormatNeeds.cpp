@@ -31,7 +31,7 @@ struct Misfits {
     {
         static const Loss kWhat[kKinds] = {
             {"a class above 31", "becomes class 1 (unclassified)"},
-            {"more than 7 returns", "becomes 7, the last return number 7 and others 6 at most"},
+            {"more than 7 returns", "become 7: the last one is number 7, the others 6 at most"},
             {"the overlap flag", "is left out"},
             {"a scanner channel", "is left out"},
             {"a scan angle that is no whole degree", "is rounded"},

@@ -622,6 +622,10 @@ private:
     {
         resizeHeader();
         planCrs(m_plan, m_vlrs, *m_source, m_format, m_minor, m_header);
+        if (hasWaveform(m_source->layout.format) && !hasWaveform(m_format))
+            m_header.set(at::kGlobalEncoding,
+                         m_header.globalEncoding() &
+                             std::uint16_t(~(encoding::kInternalWaveform | encoding::kExternalWaveform)));
         setFigures();
         if (m_restructured) setSignature();
         if (const auto announced = m_header.get(at::kVlrCount); !m_made && announced != m_source->vlrs.size())

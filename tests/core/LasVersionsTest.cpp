@@ -429,8 +429,10 @@ void LasVersionsTest::versionDecidesTheFormat()
         Made made;
         made.format = row.format;
         made.records = plainRecords(row.format);
+        if (row.format > 8) made.encoding |= las::encoding::kExternalWaveform;
         write(*make(made), temp("v.las"), row.minor);
         const auto source = load(temp("v.las"))->source();
+        QCOMPARE(source->header.says(las::encoding::kExternalWaveform), row.becomes == 4 || row.becomes == 5);
         QCOMPARE(int(source->layout.format), int(row.becomes));
         QCOMPARE(int(source->header.versionMinor()), int(row.minor));
     }
