@@ -4,13 +4,13 @@
 #include "app/Cli.h"
 #include "app/Console.h"
 #include "ui/MainWindow.h"
+#include "ui/Text.h"
 #include "ui/ViewSettings.h"
 #include "ui/WindowSettings.h"
 
 #include <CLI/CLI.hpp>
 
 #include <QApplication>
-#include <QFile>
 
 #include <cstdlib>
 #include <filesystem>
@@ -53,7 +53,7 @@ WindowRequest understand(int argc, char** argv)
             const bool fileLike = word.find_first_of("./") != std::string_view::npos;
             if (k == 1 && !fileLike && !std::filesystem::exists(word, error))
                 request.wrong = "There is no command and no file \"" + std::string(word) + "\".";
-            request.files << QFile::decodeName(argv[k]);
+            request.files << ui::toQString(std::filesystem::path(argv[k]));
         } else if (word == "--") {
             onlyFiles = true;
         } else if (word == "--backend") {

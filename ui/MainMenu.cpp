@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "ui/MainMenu.h"
 
-#include "core/edit/History.h"
 #include "core/process/Step.h"
 #include "ui/Document.h"
 #include "ui/MainWindow.h"
+#include "ui/RecoveryList.h"
 #include "ui/Text.h"
 #include "ui/ViewSettings.h"
 #include "ui/Viewport.h"
@@ -18,6 +18,7 @@
 #include "ui/docks/VisibilityDock.h"
 #include "ui/measure/MeasureDock.h"
 #include "ui/select/EditDock.h"
+#include "ui/select/UndoOrder.h"
 #include "ui/style/Icons.h"
 
 #include <QActionGroup>
@@ -108,6 +109,10 @@ void MainMenu::makeFile()
                [this] { m_window.save(); });
     saveAs = add(menu, tr("Save &As..."), {}, {QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_S)},
                  tr("Save the active file under another name, as LAS or LAZ"), [this] { m_window.saveAs(); });
+    QAction* recover = add(menu, tr("Reco&ver Edits..."), {}, {},
+                           tr("List the edits that were not saved before the program ended"),
+                           [this] { (new RecoveryList(m_window.workspace(), &m_window))->show(); });
+    recover->setObjectName(QStringLiteral("recoverEdits"));
     menu->addSeparator();
     screenshot = add(menu, tr("&Export Screenshot..."), QStringLiteral("screenshot"), {QKeySequence(Qt::Key_F12)},
                      tr("Save the finished picture of the view, or of the section that has the keys, as PNG"),
@@ -126,10 +131,11 @@ void MainMenu::makeEdit()
 {
     QMenu* menu = m_window.menuBar()->addMenu(tr("&Edit"));
     undo = add(menu, tr("&Undo"), QStringLiteral("undo"), {QKeySequence(Qt::CTRL | Qt::Key_Z)}, {},
-               [this] { m_window.undo(); });
+               [this] { m_window.undoOrder().undo(); });
     redo = add(menu, tr("&Redo"), QStringLiteral("redo"),
                {QKeySequence(Qt::CTRL | Qt::Key_Y), QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_Z)}, {},
-               [this] { m_window.redo(); });
+               [this] { m_window.undoOrder().redo(); });
+    connect(&m_window.undoOrder(), &UndoOrder::changed, this, &MainMenu::takeUndo);
 }
 
 void MainMenu::makeView()
@@ -341,25 +347,29 @@ void MainMenu::update(const Document* document)
                      : !document || document->unsavedChanges().isEmpty()
                          ? tr("Save the active file (%1)").arg(save->shortcut().toString(QKeySequence::NativeText))
                          : tr("Save: %1").arg(document->unsavedChanges()));
-    const History* history = document ? document->data()->history.get() : nullptr;
-    const auto label = [](const QString& verb, const std::string& what) {
-        return what.empty() ? verb : QStringLiteral("%1 %2").arg(verb, toQString(what));
+    takeUndo();
+}
+
+void MainMenu::takeUndo()
+{
+    const auto label = [](const QString& verb, const QString& what) {
+        return what.isEmpty() ? verb : QStringLiteral("%1 %2").arg(verb, what);
     };
-    const auto put = [&](QAction* action, const QString& verb, bool can, const std::string& what) {
-        action->setEnabled(can && ready);
-        action->setText(label(verb, what));
-        action->setToolTip(QStringLiteral("%1 (%2)").arg(label(QString(verb).remove(QLatin1Char('&')), what),
+    const auto put = [&](QAction* action, const QString& verb, const UndoOrder::Next& next) {
+        action->setEnabled(next.possible);
+        action->setText(label(verb, menuText(next.name)));
+        action->setToolTip(QStringLiteral("%1 (%2)").arg(label(QString(verb).remove(QLatin1Char('&')), next.name),
                                                          action->shortcut().toString(QKeySequence::NativeText)));
     };
-    put(undo, tr("&Undo"), history && history->canUndo(), history ? history->undoName() : std::string());
-    put(redo, tr("&Redo"), history && history->canRedo(), history ? history->redoName() : std::string());
+    put(undo, tr("&Undo"), m_window.undoOrder().nextUndo());
+    put(redo, tr("&Redo"), m_window.undoOrder().nextRedo());
 }
 
 void MainMenu::setRecentFiles(const QStringList& paths)
 {
     m_recent->clear();
     for (const QString& path : paths) {
-        QAction* action = m_recent->addAction(QFileInfo(path).fileName());
+        QAction* action = m_recent->addAction(menuText(QFileInfo(path).fileName()));
         action->setToolTip(path);
         connect(action, &QAction::triggered, this, [this, path] { emit recentChosen(path); });
     }
@@ -384,7 +394,7 @@ void MainMenu::setAttributes(const Document* document, const QString& shown)
     for (const Attribute& attribute : document->attributes()) {
         if (attribute.kind == AttributeKind::Opaque) continue;
         const QString name = toQString(attribute.name);
-        QAction* action = m_colorBy->addAction(name);
+        QAction* action = m_colorBy->addAction(menuText(name));
         action->setCheckable(true);
         action->setChecked(name == shown);
         connect(action, &QAction::triggered, this, [this, name] { m_window.showAttribute(name); });

@@ -74,6 +74,7 @@ signals:
     void recentCleared();
 
 private:
+    void takeUndo();
     void makeFile();
     void makeEdit();
     void makeView();

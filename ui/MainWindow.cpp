@@ -6,12 +6,16 @@
 #include "ui/HelpPages.h"
 #include "ui/MainMenu.h"
 #include "ui/MessageArea.h"
+#include "ui/PlainKeys.h"
 #include "ui/Recovery.h"
 #include "ui/SaveDialogs.h"
 #include "ui/Screenshot.h"
+#include "ui/ShownCount.h"
+#include "ui/ShownPill.h"
 #include "ui/Text.h"
 #include "ui/ViewFilter.h"
 #include "ui/ViewRenderer.h"
+#include "ui/ViewScope.h"
 #include "ui/ViewSettings.h"
 #include "ui/ViewSurface.h"
 #include "ui/Viewport.h"
@@ -35,6 +39,7 @@
 #include "ui/select/SelectBar.h"
 #include "ui/select/SelectTools.h"
 #include "ui/select/Selection.h"
+#include "ui/select/UndoOrder.h"
 #include "ui/style/Icons.h"
 
 #include <QApplication>
@@ -47,7 +52,7 @@
 #include <QStatusBar>
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
 
 namespace punctum::ui
 {
@@ -63,11 +68,11 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     setWindowIcon(programIcon());
     setDockOptions(AnimatedDocks | AllowTabbedDocks | AllowNestedDocks);
     setTabPosition(Qt::AllDockWidgetAreas, QTabWidget::North);
-    askUnsaved = [this](const QString& name) { return askAboutUnsaved(this, name); };
+    askUnsaved = std::bind_front(askAboutUnsaved, this);
     m_workspace->askQuestion = [this](const Question& question, std::function<void(bool)> answer) {
         punctum::ui::askQuestion(this, question, std::move(answer));
     };
-    m_workspace->recovery().ask = m_workspace->askQuestion;
+    m_workspace->recovery().ask = std::bind_front(askRecovery, this);
 
     const auto backend = options.backend ? options.backend : m_settings->backend();
     m_view = new ViewSettings(this);
@@ -83,6 +88,9 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     m_framing = new Framing(*m_workspace, *m_viewport, this);
     m_filter = new ViewFilter(*m_workspace, *m_renderer, *m_view, this);
     m_selection = new Selection(*m_workspace, *m_renderer, *m_view, *m_filter, this);
+    m_undoOrder = new UndoOrder(*m_workspace, *m_selection, this);
+    m_shown = new ShownCount(*m_workspace, *m_view, *m_filter, this);
+    m_shownPill = new ShownPill(*m_viewport, *m_shown, *new ViewScope(*m_workspace, *m_view, *m_filter, this));
     m_selectTools = new SelectTools(*m_viewport, *m_selection, this);
     m_measurements = new Measurements(*m_workspace, this);
     m_measureTools = new MeasureTools(*m_viewport, *m_workspace, *m_measurements, this);
@@ -100,6 +108,7 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     statusBar()->addPermanentWidget(m_backend);
     statusBar()->setSizeGripEnabled(false);
 
+    new PlainKeys(*this);
     connectParts();
     m_settings->restore(*this, *m_view);
     m_menu->setRecentFiles(m_settings->recentFiles());
@@ -187,8 +196,8 @@ void MainWindow::connectParts()
     connect(m_workspace, &Workspace::documentRemoved, this, &MainWindow::documentRemoved);
     connect(m_workspace, &Workspace::documentStateChanged, this, [this] { updateTitle(); });
     connect(m_workspace, &Workspace::message, this,
-            [this](MessageKind kind, const QString& text, const QString& details) {
-                m_viewport->messages().add(kind, text, details);
+            [this](MessageKind kind, const QString& text, const QString& details, const Document* about) {
+                m_viewport->messages().add(kind, text, details, about);
             });
     const auto showDetails = [this](const QString& text) { showReport(this, tr("Details"), text); };
     connect(&m_viewport->messages(), &MessageArea::detailsWanted, this, showDetails);
@@ -197,6 +206,7 @@ void MainWindow::connectParts()
     connect(m_workspace, &Workspace::cloudChanged, this,
             [this](const Document* document, const ChangeNotice& notice) {
                 m_renderer->valuesChanged(document->cloud(), notice);
+                for (Viewport* view : {m_viewport, &m_sections->viewport()}) view->hoverAnew();
                 updateTitle();
             });
     connect(m_workspace, &Workspace::activeChanged, this, [this](Document* document) {
@@ -221,6 +231,7 @@ void MainWindow::connectParts()
     }
     connect(m_viewport, &Viewport::openRequested, this, &MainWindow::chooseFiles);
     connect(m_viewport, &Viewport::frameShown, this, &MainWindow::showViewState);
+    connect(m_shown, &ShownCount::changed, this, &MainWindow::showViewState);
     connect(m_attributes, &AttributesDock::attributeChosen, this, &MainWindow::showAttribute);
     connect(m_processing, &ProcessingDock::showAttribute, this, &MainWindow::showAttribute);
     connect(m_edit, &EditDock::begun, this, &MainWindow::focusView);
@@ -287,7 +298,7 @@ void MainWindow::updateTitle()
     m_viewport->setDocument(active, int(m_workspace->documents().size()));
     m_menu->update(active);
     m_menu->setAttributes(active, m_attributes->model().shown());
-    setWindowTitle(active ? tr("%1[*] - Punctum").arg(active->name()) : tr("Punctum"));
+    setWindowTitle(active ? tr("%1[*] - Punctum").arg(titleText(active->name())) : tr("Punctum"));
     setWindowModified(active && active->modified());
     if (!active) {
         m_readOut->clear();
@@ -341,7 +352,7 @@ bool MainWindow::confirmClose(Document& document, std::function<void()> afterSav
 {
     if (!document.modified()) return true;
     m_workspace->setActive(&document);
-    switch (askUnsaved(document.name())) {
+    switch (askUnsaved(document.name(), document.unsavedChanges())) {
         case UnsavedAnswer::Discard:
             return true;
         case UnsavedAnswer::Cancel:
@@ -384,16 +395,6 @@ void MainWindow::closeEvent(QCloseEvent* event)
     event->accept();
 }
 
-void MainWindow::undo()
-{
-    if (Document* active = m_workspace->active()) m_workspace->undo(*active);
-}
-
-void MainWindow::redo()
-{
-    if (Document* active = m_workspace->active()) m_workspace->redo(*active);
-}
-
 // -- the view
 
 void MainWindow::focusView()
@@ -424,10 +425,7 @@ void MainWindow::showViewState()
     const bool other = m_attributes->model().shown() != frame->attribute;
     m_attributes->setFrame(*frame);
     if (other) m_menu->setAttributes(m_workspace->active(), frame->attribute);
-    if (!m_workspace->active()) return;
-    m_viewState->setText(frame->report.converged
-                             ? tr("All points drawn")
-                             : tr("%1 % drawn").arg(int(std::floor(frame->report.share * 100.0))));
+    if (m_workspace->active()) m_viewState->setText(m_shown->progressText(frame->report));
 }
 
 void MainWindow::exportScreenshot()

@@ -39,6 +39,9 @@ class ViewRenderer;
 class ViewFilter;
 class ViewSettings;
 class Viewport;
+class ShownCount;
+class ShownPill;
+class UndoOrder;
 class VisibilityDock;
 class WindowSettings;
 class Workspace;
@@ -92,14 +95,17 @@ public:
     Selection& selection() noexcept { return *m_selection; }
     SelectTools& selectTools() noexcept { return *m_selectTools; }
     SelectBar& selectBar() noexcept { return *m_selectBar; }
+    UndoOrder& undoOrder() noexcept { return *m_undoOrder; }
+    ShownCount& shownCount() noexcept { return *m_shown; }
+    ShownPill& shownPill() noexcept { return *m_shownPill; }
     Sections& sections() noexcept { return *m_sections; }
     EditDock& editDock() noexcept { return *m_edit; }
     HistoryDock& historyDock() noexcept { return *m_history; }
     /// Keys go to the view.
     void focusView();
 
-    /// Asks about unsaved changes; replaced by tests. The default shows a message box.
-    std::function<UnsavedAnswer(const QString& fileName)> askUnsaved;
+    /// Asks about unsaved changes, told in one line; replaced by tests. The default shows a message box.
+    std::function<UnsavedAnswer(const QString& fileName, const QString& changes)> askUnsaved;
 
 public slots:
     void chooseFiles();
@@ -113,8 +119,6 @@ public slots:
     /// Shows the next (1) or previous (-1) attribute of the active document.
     void stepAttribute(int direction);
     void fitActive();
-    void undo();
-    void redo();
     void setTransparentScreenshots(bool on) { m_transparentScreenshots = on; }
     void showAttribute(const QString& name);
     void showAbout();
@@ -160,6 +164,9 @@ private:
     Selection* m_selection = nullptr;
     SelectTools* m_selectTools = nullptr;
     SelectBar* m_selectBar = nullptr;
+    UndoOrder* m_undoOrder = nullptr;
+    ShownCount* m_shown = nullptr;
+    ShownPill* m_shownPill = nullptr;
     Sections* m_sections = nullptr;
     EditDock* m_edit = nullptr;
     HistoryDock* m_history = nullptr;

@@ -28,7 +28,7 @@ MessageArea::MessageArea(QWidget* parent) : QWidget(parent)
     hide();
 }
 
-void MessageArea::add(MessageKind kind, const QString& sentence, const QString& details)
+void MessageArea::add(MessageKind kind, const QString& sentence, const QString& details, const QObject* about)
 {
     if (sentence.isEmpty()) return;
     // The same sentence twice says no more than once.
@@ -82,6 +82,7 @@ void MessageArea::add(MessageKind kind, const QString& sentence, const QString& 
     if (kind != MessageKind::Error)
         QTimer::singleShot(kind == MessageKind::Info && details.isEmpty() ? kNewsLast : kWarningsLast, bar,
                            [this, bar] { remove(bar); });
+    if (about) connect(about, &QObject::destroyed, bar, [this, bar] { remove(bar); });
     show();
     raise();
     emit resized();

@@ -20,7 +20,9 @@ public:
     explicit MessageArea(QWidget* parent);
 
     /// `details`: what a button behind the sentence leads to; none when empty.
-    void add(MessageKind kind, const QString& sentence, const QString& details = {});
+    /// `about`: it goes with this object.
+    void add(MessageKind kind, const QString& sentence, const QString& details = {},
+             const QObject* about = nullptr);
     /// What is shown at present, oldest first.
     QStringList sentences() const;
     void clear();

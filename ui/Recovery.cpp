@@ -9,6 +9,8 @@
 #include "ui/Text.h"
 #include "ui/Workspace.h"
 
+#include <QFileInfo>
+
 #include <algorithm>
 
 namespace punctum::ui
@@ -18,6 +20,7 @@ namespace
 {
 
 constexpr const char* kEnding = ".journal";
+constexpr const char* kAsideEnding = ".declined";
 
 /// Whether the folder has a journal of a cloud with so many points: only then it is worth reading them all.
 bool mayHaveJournal(const std::filesystem::path& folder, PointIndex points)
@@ -46,6 +49,12 @@ QString listed(const std::vector<std::string>& names)
 Recovery::Recovery(Workspace& workspace, std::filesystem::path folder)
     : m_workspace(workspace), m_folder(std::move(folder))
 {
+    connect(&workspace, &Workspace::documentLoaded, this, [this](Document* document) {
+        if (const auto wanted = m_wanted.extract(document->path())) recoverFrom(*document, wanted.mapped());
+    });
+    connect(&workspace, &Workspace::jobEnded, this, [this] {
+        if (!m_workspace.opening()) m_wanted.clear();  // the file could not be opened, which was said
+    });
 }
 
 std::filesystem::path Recovery::pathOf(const CloudKey& key) const
@@ -81,9 +90,7 @@ void Recovery::noteDown(OpenCloud& data, Progress& progress) noexcept
         std::shared_ptr<Journal> journal =
             Journal::create(pathOf(key), key, data.path.string(), data.source->current->get().kept);
         if (!journal->setAside().empty())
-            warn(tr("Unsaved edits of before a crash have not been recovered; punctum replay can do them again "
-                    "from %1.")
-                     .arg(toQString(journal->setAside())));
+            warn(tr("Unsaved edits of before a crash have not been recovered; File > Recover Edits has them."));
         data.history->setJournal(std::move(journal));
         data.journalTold = false;
     } catch (const std::exception& e) {  // cancelled as well: the edit will be, too
@@ -134,12 +141,14 @@ void Recovery::offer(Document& document, const std::filesystem::path& path,
             : tr("The program ended before %1 edits of %2 were saved: %3.")
                   .arg(countText(names.size()), document.name(), listed(names));
     if (!journal->damage.empty()) reason += QLatin1Char(' ') + toQString(journal->damage);
-    reason += QLatin1Char(' ') + tr("Recover does it again, and can be undone. Set aside, the journal is kept for "
-                                    "punctum replay, and you are not asked again.");
-    ask({tr("Recover unsaved edits?"), reason, tr("&Recover"), tr("&Set Aside"), true},
-        [this, target = QPointer<Document>(&document), path, journal](bool wanted) {
-            if (!target) return;
-            if (wanted) return recover(*target, path, journal);
+    reason +=
+        QLatin1Char(' ') +
+        tr("Recover does it again, and can be undone. Later asks you when the file is opened next. Set aside, you "
+           "are not asked again, and File > Recover Edits has them.");
+    ask({tr("Recover unsaved edits?"), reason, tr("&Recover"), tr("&Later"), true},
+        [this, target = QPointer<Document>(&document), path, journal](RecoveryAnswer answer) {
+            if (!target || answer == RecoveryAnswer::Later) return;
+            if (answer == RecoveryAnswer::Recover) return recover(*target, path, journal);
             m_workspace.startJob(
                 tr("Set the journal aside"),
                 [data = target->data(), path](Progress&) {
@@ -147,7 +156,10 @@ void Recovery::offer(Document& document, const std::filesystem::path& path,
                     // an edit that came first has set it aside already, and writes another one there
                     if (std::filesystem::exists(path) && !isJournalInUse(path)) setJournalAside(path);
                 },
-                {}, true);
+                [this](const JobInfo& info) {
+                    if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
+                },
+                true);
         });
 }
 
@@ -157,18 +169,17 @@ void Recovery::recover(Document& document, const std::filesystem::path& path,
     const auto replayed = std::make_shared<Replayed>();
     m_workspace.startJob(
         tr("Recover edits of %1").arg(document.name()),
-        [data = document.data(), path, journal, replayed](Progress& progress) {
+        [this, data = document.data(), path, journal, replayed](Progress& progress) {
             const std::lock_guard gate(data->editGate);
             if (data->history->position() != 0)
                 throw Error(
-                    "The points were edited first, so that the edits of before the crash cannot be done again "
-                    "here; their journal has been set aside for punctum replay.");
+                    "The points were edited first, so that the edits of before the crash cannot be done again now. "
+                    "Undo what was edited; then File > Recover Edits does them.");
             ++data->edits;
             *replayed = replay(*journal, *data->cloud, *data->history, progress);
             // what could not be followed stays in the file, for punctum replay; a journal that an edit began
             // meanwhile, and that was undone, has noted all down
-            if (replayed->stopped.empty() && !data->history->journal())
-                data->history->setJournal(Journal::resume(path));
+            if (replayed->stopped.empty()) goOn(*data, path, journal->key);
         },
         [this, journal, replayed, target = QPointer<Document>(&document)](const JobInfo& info) {
             if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
@@ -177,12 +188,92 @@ void Recovery::recover(Document& document, const std::filesystem::path& path,
             if (info.state != JobState::Finished) return;
             if (!replayed->stopped.empty())
                 m_workspace.say(MessageKind::Warning,
-                                tr("Not all edits could be recovered: %1").arg(toQString(replayed->stopped)));
+                                tr("Not all edits could be recovered: %1").arg(toQString(replayed->stopped)), {},
+                                target);
             else
                 m_workspace.say(
                     MessageKind::Info,
-                    tr("The unsaved edits of %1 are back: %2.").arg(target->name(), listed(journal->inForce())));
+                    tr("The unsaved edits of %1 are back: %2.").arg(target->name(), listed(journal->inForce())), {},
+                    target);
         });
+}
+
+void Recovery::goOn(OpenCloud& data, const std::filesystem::path& path, const CloudKey& key) const
+{
+    if (data.history->journal()) {  // has noted all down
+        std::filesystem::remove(path);
+        return;
+    }
+    const std::filesystem::path place = pathOf(key);
+    if (path != place) {
+        if (std::filesystem::exists(place)) setJournalAside(place);
+        std::filesystem::rename(path, place);
+    }
+    data.history->setJournal(Journal::resume(place));
+}
+
+// -- those that can be had back
+
+void Recovery::listKept(std::function<void(std::vector<KeptJournal>)> found)
+{
+    const auto list = std::make_shared<std::vector<KeptJournal>>();
+    m_workspace.startJob(
+        tr("Look for unsaved edits"),
+        [folder = m_folder, list](Progress& progress) {
+            std::error_code error;
+            for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+                progress.check();
+                const std::string name = entry.path().filename().string();
+                const bool aside = name.ends_with(kAsideEnding);
+                if ((!aside && !name.ends_with(kEnding)) || isJournalInUse(entry.path())) continue;
+                try {
+                    const JournalContents journal = readJournal(entry.path());
+                    const auto names = journal.inForce();
+                    if (names.empty()) continue;
+                    list->push_back({entry.path(), toQString(std::filesystem::path(journal.file)), listed(names),
+                                     QFileInfo(toQString(entry.path())).lastModified(), aside});
+                } catch (const Error&) {
+                    continue;  // no journal, or not even its beginning can be read
+                }
+            }
+            std::sort(list->begin(), list->end(),
+                      [](const KeptJournal& a, const KeptJournal& b) { return a.changed > b.changed; });
+        },
+        [list, found = std::move(found)](const JobInfo&) { found(std::move(*list)); }, true);
+}
+
+void Recovery::recoverKept(const KeptJournal& kept)
+{
+    for (Document* document : m_workspace.documents())
+        if (document->path() == kept.file && !document->loading()) {
+            m_workspace.setActive(document);
+            return recoverFrom(*document, kept.path);
+        }
+    m_wanted[kept.file] = kept.path;
+    m_workspace.open(kept.file);
+}
+
+void Recovery::recoverFrom(Document& document, const std::filesystem::path& path)
+{
+    const auto journal = std::make_shared<JournalContents>();
+    m_workspace.startJob(
+        tr("Read the journal"), [path, journal](Progress&) { *journal = readJournal(path); },
+        [this, journal, path, target = QPointer<Document>(&document)](const JobInfo& info) {
+            if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
+            if (info.state == JobState::Finished && target) recover(*target, path, journal);
+        },
+        true);
+}
+
+void Recovery::removeKept(const std::filesystem::path& path, std::function<void()> done)
+{
+    m_workspace.startJob(
+        tr("Delete unsaved edits"), [path](Progress&) { std::filesystem::remove(path); },
+        [this, done = std::move(done)](const JobInfo& info) {
+            if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
+            done();
+        },
+        true);
 }
 
 }  // namespace punctum::ui

@@ -68,6 +68,29 @@ void askQuestion(QWidget* parent, const Question& question, std::function<void(b
     box->open();
 }
 
+void askRecovery(QWidget* parent, const Question& question, std::function<void(RecoveryAnswer)> then)
+{
+    auto* box = new QMessageBox(QMessageBox::NoIcon, QStringLiteral("Punctum"), question.text,
+                                QMessageBox::NoButton, parent);
+    box->setObjectName(QStringLiteral("recoveryQuestion"));
+    box->setIconPixmap(lineIcon(QStringLiteral("warning"), themeColors().warning).pixmap(32, 32));
+    box->setAttribute(Qt::WA_DeleteOnClose);
+    box->setTextFormat(Qt::PlainText);
+    box->setInformativeText(question.reason);
+    QPushButton* const recover = box->addButton(question.yes, QMessageBox::AcceptRole);
+    QPushButton* const aside = box->addButton(QObject::tr("&Set Aside"), QMessageBox::DestructiveRole);
+    QPushButton* const later = box->addButton(question.no, QMessageBox::RejectRole);
+    box->setDefaultButton(recover);
+    box->setEscapeButton(later);
+    QObject::connect(box, &QMessageBox::finished, box, [box, recover, aside, then = std::move(then)] {
+        const QAbstractButton* const clicked = box->clickedButton();
+        then(clicked == recover ? RecoveryAnswer::Recover
+             : clicked == aside ? RecoveryAnswer::SetAside
+                                : RecoveryAnswer::Later);
+    });
+    box->open();
+}
+
 void askBeforeSaving(QWidget* parent, const QString& name, const QString& what, std::function<void(bool)> then)
 {
     askQuestion(parent,
@@ -76,13 +99,15 @@ void askBeforeSaving(QWidget* parent, const QString& name, const QString& what, 
                 std::move(then));
 }
 
-UnsavedAnswer askAboutUnsaved(QWidget* parent, const QString& name)
+UnsavedAnswer askAboutUnsaved(QWidget* parent, const QString& name, const QString& changes)
 {
     QMessageBox box(parent);
     box.setIcon(QMessageBox::Question);
     box.setWindowTitle(QObject::tr("Unsaved changes"));
     box.setText(QObject::tr("%1 has unsaved changes.").arg(name));
-    box.setInformativeText(QObject::tr("Without saving they are lost."));
+    box.setTextFormat(Qt::PlainText);
+    const QString lost = QObject::tr("Without saving they are lost.");
+    box.setInformativeText(changes.isEmpty() ? lost : changes + QLatin1Char('\n') + lost);
     box.setStandardButtons(QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel);
     box.setDefaultButton(QMessageBox::Save);
     switch (box.exec()) {

@@ -2,13 +2,15 @@
 #include "ui/Text.h"
 
 #include "render/color/ColorMap.h"
+#include "ui/Numbers.h"
 #include "ui/ViewRenderer.h"
 
-#include <QFile>
 #include <QLocale>
 
 #include <algorithm>
 #include <cmath>
+#include <system_error>
+#include <vector>
 
 namespace punctum::ui
 {
@@ -16,12 +18,8 @@ namespace punctum::ui
 namespace
 {
 
-/// One way of writing numbers everywhere, and the one that files and the command line use for the point.
-const QLocale& locale()
-{
-    static const QLocale english(QLocale::English, QLocale::UnitedStates);
-    return english;
-}
+/// Added to a byte that is no part of a character.
+constexpr ushort kByte = 0xdc00;
 
 QString withoutTrailingZeros(QString text)
 {
@@ -35,7 +33,7 @@ QString withoutTrailingZeros(QString text)
 
 QString countText(std::uint64_t count)
 {
-    return locale().toString(qulonglong(count));
+    return localNumber(QString::number(count));
 }
 
 QString pointsText(std::uint64_t count)
@@ -43,43 +41,108 @@ QString pointsText(std::uint64_t count)
     return count == 1 ? QStringLiteral("1 point") : countText(count) + QStringLiteral(" points");
 }
 
-QString numberText(double value)
+QString plainNumber(double value)
 {
     if (!std::isfinite(value)) return std::isnan(value) ? QStringLiteral("none") : QString::number(value);
     if (value == 0.0) return QStringLiteral("0");
     const double magnitude = std::log10(std::fabs(value));
     if (magnitude >= 15.0 || magnitude < -5.0) return QString::number(value, 'g', 6);
     const int decimals = std::clamp(6 - int(std::floor(magnitude)), 0, 9);
-    return withoutTrailingZeros(locale().toString(value, 'f', decimals));
+    return withoutTrailingZeros(QString::number(value, 'f', decimals));
+}
+
+QString numberText(double value)
+{
+    return localNumber(plainNumber(value));
 }
 
 QString valueText(const Value& value)
 {
-    if (const auto* i = std::get_if<std::int64_t>(&value)) return locale().toString(qlonglong(*i));
-    if (const auto* u = std::get_if<std::uint64_t>(&value)) return locale().toString(qulonglong(*u));
+    if (const auto* i = std::get_if<std::int64_t>(&value)) return localNumber(QString::number(*i));
+    if (const auto* u = std::get_if<std::uint64_t>(&value)) return localNumber(QString::number(*u));
     return numberText(std::get<double>(value));
+}
+
+QString plainCoordinate(double value, double scale)
+{
+    const bool usable = std::isfinite(scale) && scale != 0.0;
+    const int decimals = usable ? std::clamp(int(std::ceil(-std::log10(std::fabs(scale)) - 1e-9)), 0, 9) : 3;
+    return QString::number(value, 'f', decimals);
 }
 
 QString coordinateText(double value, double scale)
 {
-    const bool usable = std::isfinite(scale) && scale != 0.0;
-    const int decimals = usable ? std::clamp(int(std::ceil(-std::log10(std::fabs(scale)) - 1e-9)), 0, 9) : 3;
-    return locale().toString(value, 'f', decimals);
+    return localNumber(plainCoordinate(value, scale));
 }
 
 QString bytesText(std::uint64_t bytes)
 {
-    return locale().formattedDataSize(qint64(bytes), bytes < 1'000'000 ? 0 : 1, QLocale::DataSizeSIFormat);
+    return windowLocale().formattedDataSize(qint64(bytes), bytes < 1'000'000 ? 0 : 1, QLocale::DataSizeSIFormat);
+}
+
+QString menuText(QString name)
+{
+    return name.replace(QLatin1Char('&'), QStringLiteral("&&"));
+}
+
+QString titleText(QString name)
+{
+    return name.replace(QStringLiteral("[*]"), QStringLiteral("[*][*]"));
 }
 
 QString toQString(const std::filesystem::path& path)
 {
-    return QFile::decodeName(QByteArray::fromStdString(path.string()));
+    const QByteArray bytes = QByteArray::fromStdString(path.string());
+    const auto whole = [](const QByteArray& part) {
+        const QString text = QString::fromUtf8(part);
+        return text.toUtf8() == part ? text : QString();
+    };
+    if (const QString text = whole(bytes); !text.isEmpty()) return text;
+    QString text;
+    for (qsizetype at = 0; at < bytes.size();) {
+        constexpr qsizetype kLongest = 4;  // bytes of a character
+        QString character;
+        qsizetype length = 0;
+        while (character.isEmpty() && length < std::min(kLongest, bytes.size() - at))
+            character = whole(bytes.mid(at, ++length));
+        if (character.isEmpty()) {
+            character = QChar(ushort(kByte + uchar(bytes[at])));
+            length = 1;
+        }
+        text += character;
+        at += length;
+    }
+    return text;
 }
 
 std::filesystem::path toPath(const QString& path)
 {
-    return std::filesystem::path(QFile::encodeName(path).toStdString());
+    QByteArray bytes;
+    qsizetype from = 0;
+    for (qsizetype at = 0; at <= path.size(); ++at) {
+        const bool byte = at < path.size() && path[at].unicode() >= kByte + 0x80 &&
+                          path[at].unicode() <= kByte + 0xff && (at == 0 || !path[at - 1].isHighSurrogate());
+        if (at < path.size() && !byte) continue;
+        bytes += QStringView(path).mid(from, at - from).toUtf8();
+        if (byte) bytes += char(path[at].unicode() - kByte);
+        from = at + 1;
+    }
+    return {bytes.toStdString()};
+}
+
+std::filesystem::path findPath(const QString& path)
+{
+    std::filesystem::path asked = toPath(path);
+    std::error_code error;
+    if (!path.contains(QChar::ReplacementCharacter) || std::filesystem::exists(asked, error)) return asked;
+    const qsizetype slash = path.lastIndexOf(QLatin1Char('/'));
+    if (slash < 0) return asked;
+    const QString name = path.mid(slash + 1);
+    std::vector<std::filesystem::path> alike;
+    for (const auto& entry : std::filesystem::directory_iterator(
+             slash == 0 ? std::filesystem::path("/") : findPath(path.left(slash)), error))
+        if (QString::fromStdString(entry.path().filename().string()) == name) alike.push_back(entry.path());
+    return alike.size() == 1 ? alike.front() : asked;
 }
 
 QString classText(unsigned code)

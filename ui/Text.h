@@ -14,7 +14,7 @@ namespace punctum::ui
 
 struct PickedPoint;
 
-/// Numbers and names as the window shows them. Any thread.
+/// Numbers and names as the window shows them, by the user's locale (ui/Numbers.h). Any thread.
 
 /// "1,204": whole numbers with separators.
 QString countText(std::uint64_t count);
@@ -22,15 +22,29 @@ QString countText(std::uint64_t count);
 QString pointsText(std::uint64_t count);
 /// Up to seven significant digits, without trailing zeros: "0.0251", "4,849.12", "1.2e-09".
 QString numberText(double value);
+/// The same as the program writes it, with a point and without separators.
+QString plainNumber(double value);
 /// An attribute's value: whole numbers in full, others as numberText().
 QString valueText(const Value& value);
 /// A coordinate with the decimals that its scale (the file's resolution) makes sense of: "637,012.24".
 QString coordinateText(double value, double scale);
+/// The same as the program writes it.
+QString plainCoordinate(double value, double scale);
 /// "603 kB", "2.1 GB".
 QString bytesText(std::uint64_t bytes);
 
+/// A name in the text of a menu entry or button, where a plain & would mark a key.
+QString menuText(QString name);
+/// A name in a window title, where a plain [*] would stand for "changed".
+QString titleText(QString name);
+
+/// Names of files are bytes. Those that are no UTF-8 are kept, too: each such byte is a lone surrogate from U+DC80
+/// on, so that toPath() gives back just the file that was named.
 QString toQString(const std::filesystem::path& path);
 std::filesystem::path toPath(const QString& path);
+/// The same for a path from a dialog or a drop of files, which have U+FFFD where a name is no UTF-8: the file that
+/// is there and looks like that, where there is only one. Looks at the disk.
+std::filesystem::path findPath(const QString& path);
 inline QString toQString(std::string_view text)
 {
     return QString::fromUtf8(text.data(), qsizetype(text.size()));

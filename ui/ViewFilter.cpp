@@ -128,6 +128,11 @@ std::optional<quint64> ViewFilter::hiddenCount() const
     return state->count;
 }
 
+bool ViewFilter::looking() const
+{
+    return std::any_of(m_states.begin(), m_states.end(), [](const auto& state) { return state.second.job != 0; });
+}
+
 Visibility ViewFilter::visibility(const Document& document) const
 {
     Visibility visibility;

@@ -39,6 +39,9 @@ public:
     /// Points of the active document that the filter hides; no number while it is worked out.
     std::optional<quint64> hiddenCount() const;
 
+    /// The points of some document are being looked for; changed() comes when they are found.
+    bool looking() const;
+
     /// All that the view hides of a document: classes, clip and filter. Edits by hand must leave those points
     /// alone: ask hiddenPoints() in a job.
     Visibility visibility(const Document& document) const;

@@ -2,6 +2,7 @@
 #include "ui/ViewPicture.h"
 
 #include "render/store/PointStore.h"
+#include "ui/Numbers.h"
 #include "ui/Text.h"
 
 #include <glm/geometric.hpp>
@@ -24,8 +25,9 @@ QString pickedValue(const Attribute& attribute, PointIndex index)
 {
     QStringList parts;
     for (std::uint32_t c = 0; c < attribute.components; ++c)
-        parts << (attribute.kind == AttributeKind::Vector ? QString::number(attribute.number(index, c), 'f', 3)
-                                                          : valueText(attribute.value(index, c)));
+        parts << (attribute.kind == AttributeKind::Vector
+                      ? localNumber(QString::number(attribute.number(index, c), 'f', 3))
+                      : valueText(attribute.value(index, c)));
     return parts.join(QStringLiteral(", "));
 }
 

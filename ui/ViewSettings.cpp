@@ -174,6 +174,11 @@ void ViewSettings::setClassLocked(unsigned code, bool locked)
     if (code < 256) set(m_classLocked[code], locked);
 }
 
+void ViewSettings::unlockClasses()
+{
+    set(m_classLocked, {});
+}
+
 void ViewSettings::setAllClassesVisible(bool visible)
 {
     m_display.classVisible.fill(visible);

@@ -59,6 +59,8 @@ public:
     void setAllClassesVisible(bool visible);
     /// Tools leave the points of a locked class alone.
     void setClassLocked(unsigned code, bool locked);
+    void unlockClasses();
+    const std::array<bool, 256>& lockedClasses() const noexcept { return m_classLocked; }
     bool classLocked(unsigned code) const noexcept { return m_classLocked[code & 255u]; }
     /// Which of these classes alone are drawn by double-click in the list.
     void showOnlyClass(unsigned code);

@@ -403,6 +403,8 @@ void Viewport::updateTitle()
         m_title->setContent({}, {});
     } else {
         QString detail = pointsText(m_document->points());
+        if (m_document->deletedPoints() != 0)
+            detail = tr("%1, %2 deleted").arg(detail, countText(m_document->deletedPoints()));
         if (m_document->loading())
             detail =
                 tr("%1 of %2")
@@ -432,6 +434,11 @@ void Viewport::placeOverlays()
     m_empty->setGeometry(rect());
     m_dropHint->setGeometry(rect());
     m_title->move(kEdge, kEdge);
+    int bottom = m_title->geometry().bottom();
+    if (m_underTitle && !m_underTitle->isHidden()) {
+        m_underTitle->move(kEdge, m_title->isHidden() ? kEdge : bottom + kEdge / 2);
+        bottom = m_underTitle->geometry().bottom();
+    }
     m_compass->resize(m_compass->sizeHint());
     m_compass->move(kEdge, height() - m_compass->height() - kEdge);
     // Below the title, in what the view's width leaves.
@@ -443,13 +450,14 @@ void Viewport::placeOverlays()
     m_legend->move(legendLeft, legendBottom - m_legend->height() - kEdge);
     // Beside the title where there is room, else under it.
     const int free = width() - 2 * kEdge;
-    const int right = m_title->isVisible() ? m_title->geometry().right() + kEdge : kEdge;
+    int right = m_title->isVisible() ? m_title->geometry().right() + kEdge : kEdge;
+    if (m_underTitle && !m_underTitle->isHidden())
+        right = std::max(right, m_underTitle->geometry().right() + kEdge);
     const int messageWidth = std::min(680, free);
     const bool beside = width() - kEdge - right >= std::min(440, free);
     const int fitting = beside ? std::min(messageWidth, width() - kEdge - right) : messageWidth;
     const int left = std::max((width() - fitting) / 2, beside ? right : kEdge);
-    m_messages->setGeometry(left, beside ? kEdge : m_title->geometry().bottom() + kEdge, fitting,
-                            m_messages->heightForWidth(fitting));
+    m_messages->setGeometry(left, beside ? kEdge : bottom + kEdge, fitting, m_messages->heightForWidth(fitting));
     m_messages->raise();
 }
 

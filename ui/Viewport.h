@@ -76,8 +76,16 @@ public:
 
     /// The document that title and legend speak of; null: nothing is open.
     void setDocument(Document* document, int documents);
+    /// The point under the mouse may have other values.
+    void hoverAnew()
+    {
+        if (m_mouseInside) requestHover();
+    }
     /// Reads state and progress of the document anew.
     void updateTitle();
+
+    /// A panel that is kept under the title.
+    void setUnderTitle(QWidget* panel) { m_underTitle = panel; }
 
     MessageArea& messages() noexcept { return *m_messages; }
     ClipFrame& clipFrame() noexcept { return *m_clipFrame; }
@@ -132,6 +140,7 @@ private:
     ViewSurface* m_surface = nullptr;  ///< a child widget
     ClipFrame* m_clipFrame = nullptr;
     TitleOverlay* m_title = nullptr;
+    QWidget* m_underTitle = nullptr;
     LegendOverlay* m_legend = nullptr;
     CompassOverlay* m_compass = nullptr;
     EmptyPage* m_empty = nullptr;

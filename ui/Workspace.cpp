@@ -87,7 +87,10 @@ JobId Workspace::startJob(const QString& title, Jobs::Work work, Ended ended, bo
                 [this, ended, info] {
                     for (auto it = m_documentJobs.begin(); it != m_documentJobs.end();)
                         it = it->second == info.id ? m_documentJobs.erase(it) : std::next(it);
-                    if (ended) ended(info);
+                    if (ended)
+                        ended(info);
+                    else if (info.state == JobState::Failed)
+                        say(MessageKind::Error, toQString(info.error));
                     emit jobEnded(info);
                     --m_unended;
                 },
@@ -132,10 +135,11 @@ void Workspace::open(const QString& path)
         tr("Open %1").arg(fileNameOf(absolute)),
         [this, opening, order = m_order, room = m_room](Progress& progress) {
             progress.begin("Reading the header", 1);
-            const auto reader = las::Reader::open(toPath(opening->path));
+            const std::filesystem::path place = findPath(opening->path);
+            const auto reader = las::Reader::open(place);
             progress.check();
             auto data = std::make_shared<OpenCloud>();
-            data->path = toPath(opening->path);
+            data->path = place;
             data->source = reader->source();
             data->cloud = reader->createCloud();
             data->store = std::make_shared<render::PointStore>(data->cloud, reader->source()->sampledBounds, order);
@@ -202,13 +206,13 @@ void Workspace::openingEnded(const std::shared_ptr<Opening>& opening, const JobI
                                       .arg(document->name())
                                       .arg(losses.size())) +
                 tr(" What could be read is open; it can be saved under another name."),
-            losses.size() == 1 ? QString() : losses.join(QLatin1Char('\n')));
+            losses.size() == 1 ? QString() : losses.join(QLatin1Char('\n')), document);
     } else if (warnings.size() == 1)
-        say(MessageKind::Warning, tr("%1: %2").arg(document->name(), warnings.front()));
+        say(MessageKind::Warning, tr("%1: %2").arg(document->name(), warnings.front()), {}, document);
     else if (!warnings.isEmpty())
-        say(MessageKind::Warning, tr("%1 opened with %2 warnings; the File panel lists them.")
-                                      .arg(document->name())
-                                      .arg(warnings.size()));
+        say(MessageKind::Warning,
+            tr("%1 opened with %2 warnings; the File panel lists them.").arg(document->name()).arg(warnings.size()),
+            {}, document);
     analyze(*document, {});
     m_recovery->look(*document);
 }
@@ -450,7 +454,7 @@ void Workspace::edited(Document& document)
 {
     document.noteEdit();
     if (const std::string warning = document.data()->history->takeWarning(); !warning.empty())
-        say(MessageKind::Warning, toQString(warning));
+        say(MessageKind::Warning, toQString(warning), {}, &document);
     m_saves->countUnsaved(document);
 }
 
@@ -459,7 +463,6 @@ JobId Workspace::run(Document& document, const Step& step, const StepValues& val
     const QString title = toQString(step.title());
     return edit(document, title, Recipe{step.name(), values, nullptr},
                 [this, title](const JobInfo& info, const EditOutcome& outcome) {
-                    if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
                     emit stepEnded(info.id, title, outcome.changed, outcome.newAttributes, info);
                 });
 }

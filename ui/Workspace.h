@@ -89,7 +89,8 @@ public:
     void edited(Document& document);
     Recovery& recovery() noexcept { return *m_recovery; }
 
-    /// Any other long work. `ended` is called in the GUI thread. Quiet jobs leave the list at once.
+    /// Any other long work. `ended` is called in the GUI thread, and tells why it failed; where there is none, that
+    /// is told here. Quiet jobs leave the list at once.
     JobId startJob(const QString& title, Jobs::Work work, Ended ended = {}, bool quiet = false);
     /// The job is cancelled when the document is closed.
     void tie(Document& document, JobId job) { m_documentJobs.emplace(&document, job); }
@@ -98,10 +99,12 @@ public:
     /// Whether a job runs, or has ended and its result is still on its way here.
     bool busy() const noexcept { return m_unended > 0; }
 
-    /// Shows the user a sentence; `details`: lines of a report that it leads to.
-    void say(MessageKind kind, const QString& sentence, const QString& details = {})
+    /// Shows the user a sentence; `details`: lines of a report that it leads to; `about`: the document with which
+    /// it loses its meaning.
+    void say(MessageKind kind, const QString& sentence, const QString& details = {},
+             const Document* about = nullptr)
     {
-        emit message(kind, sentence, details);
+        emit message(kind, sentence, details, about);
     }
 
 signals:
@@ -112,7 +115,8 @@ signals:
     void activeChanged(punctum::ui::Document* document);
     void documentStateChanged(punctum::ui::Document* document);
     void cloudChanged(punctum::ui::Document* document, const punctum::ChangeNotice& notice);
-    void message(punctum::ui::MessageKind kind, const QString& sentence, const QString& details);
+    void message(punctum::ui::MessageKind kind, const QString& sentence, const QString& details,
+                 const punctum::ui::Document* about);
     void jobStarted(quint64 id, const QString& title, bool quiet);
     void jobEnded(const punctum::JobInfo& info);
     /// `changed`: points whose values differ now; `error`: empty unless it failed.

@@ -277,6 +277,15 @@ std::vector<std::string> History::names() const
     return names;
 }
 
+std::vector<PointIndex> History::changedPoints() const
+{
+    const std::lock_guard lock(m_mutex);
+    std::vector<PointIndex> counts;
+    counts.reserve(m_commands.size());
+    for (const auto& command : m_commands) counts.push_back(command->changedPoints());
+    return counts;
+}
+
 History::Kept History::kept() const
 {
     const std::lock_guard lock(m_mutex);

@@ -63,8 +63,9 @@ public:
     /// of those that were replaced by others of the same name, all points count. Nothing when that state can no
     /// longer be reached. Waits for a change that goes on; memory: a column at a time. Throws Cancelled, Error.
     std::optional<std::vector<AttributeChange>> changes(Progress& progress) const;
-    std::vector<std::string> names() const;  ///< oldest first
-    std::size_t position() const;            ///< how many of names() are in force
+    std::vector<std::string> names() const;         ///< oldest first
+    std::vector<PointIndex> changedPoints() const;  ///< by each of them
+    std::size_t position() const;                   ///< how many of names() are in force
 
     /// Bytes that the commands keep, about.
     struct Kept {

@@ -223,12 +223,29 @@ private:
         return node;
     }
 
+    /// No attribute has that name. Says what is wrong with it as the name of a class, where that can be said.
+    void failAsClass(const Syntax& s, bool classes) const
+    {
+        if (!classes) {
+            if (classOfName(s.text))
+                fail(s.byte,
+                     "\"" + s.text + "\" is a class; it can be compared with, and set for, Classification alone.");
+            return;
+        }
+        std::vector<std::string> names;
+        for (const Attribute& a : m_bindings.cloud->attributes()) names.push_back(a.name);
+        for (std::uint32_t code = 0; code < 256; ++code)
+            if (!classNameOf(code).empty()) names.emplace_back(classNameOf(code));
+        fail(s.byte, "there is no class and no attribute \"" + s.text + "\"" + suggestion(s.text, names));
+    }
+
     Node name(const Syntax& s, bool classes)
     {
         if (m_bindings.cloud->findAttribute(s.text) == nullptr) {
             if (classes)
                 if (const auto code = classOfName(s.text)) return numberNode(double(*code), s.byte);
             if (!s.quoted && sameWord(s.text, "pi")) return numberNode(std::numbers::pi, s.byte);
+            failAsClass(s, classes);
         }
         const Attribute& attribute = findScalar(s.text, s.byte, m_bindings);
         auto& all = m_bindings.attributes;

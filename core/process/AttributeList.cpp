@@ -21,6 +21,7 @@ StepParameter attributeParameter(const std::string& help)
     p.label = "Attribute";
     p.help = help;
     p.type = StepParameter::Type::AttributeName;
+    p.ownOnly = true;
     return p;
 }
 

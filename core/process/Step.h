@@ -26,6 +26,7 @@ struct StepParameter {
     double min = 0.0;
     double max = 0.0;
     bool optional = false;
+    bool ownOnly = false;              ///< attributes that are no field of the point format
     bool inCoordinateUnits = false;    ///< a length in the units of the coordinates
     std::vector<std::string> choices;  ///< of a Choice
 };

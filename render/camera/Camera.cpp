@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -15,6 +16,27 @@ namespace
 {
 
 constexpr double kRightAngle = std::numbers::pi / 2;
+
+/// Whether all of the box is beyond one side of the picture, before the eye or behind it.
+bool liesBeside(const Camera& camera, const WorldBounds& bounds, glm::dvec2 sizePx) noexcept
+{
+    const double tanY = std::tan(camera.fovY / 2), tanX = tanY * sizePx.x / std::max(sizePx.y, 1.0);
+    std::array<int, 4> outside{};  // corners beyond each side of the picture
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 offset =
+            (glm::dvec3(corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
+                        corner & 4 ? bounds.max.z : bounds.min.z) -
+             camera.eye) *
+            camera.stretch;
+        const double x = glm::dot(offset, camera.right()), y = glm::dot(offset, camera.up()),
+                     z = glm::dot(offset, camera.forward());
+        outside[0] += x > z * tanX;
+        outside[1] += -x > z * tanX;
+        outside[2] += y > z * tanY;
+        outside[3] += -y > z * tanY;
+    }
+    return std::find(outside.begin(), outside.end(), 8) != outside.end();
+}
 
 }  // namespace
 
@@ -104,8 +126,8 @@ double Camera::seenSize(const WorldBounds& bounds, glm::dvec2 sizePx) const noex
         high = glm::max(high, glm::dvec2(px));
     }
     if (!before) return 0.0;
-    // A box that reaches behind the eye has no outline; it is near, and large.
-    if (behind) return std::max(sizePx.x, sizePx.y);
+    // A box that reaches behind the eye has no outline; it is near, and large, unless it lies beside the picture.
+    if (behind) return liesBeside(*this, bounds, sizePx) ? 0.0 : std::max(sizePx.x, sizePx.y);
     low = glm::max(low, glm::dvec2(0.0));
     high = glm::min(high, sizePx);
     return low.x > high.x || low.y > high.y ? 0.0 : std::max(high.x - low.x, high.y - low.y);

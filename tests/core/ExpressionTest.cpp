@@ -332,7 +332,9 @@ void ExpressionTest::refusals_data()
         "Column 13: 99999999999999999999 is too large; whole numbers have 64 bits.");
     row("\"Intensity > 3", "Column 1: the quotation mark is not closed.");
     row("\u00e4\u00f6\u00fc > 3 $", "Column 9: \"$\" means nothing here.");
-    row("Intensity == Ground", "Column 14: there is no attribute \"Ground\".");
+    row("Intensity == Ground",
+        "Column 14: \"Ground\" is a class; it can be compared with, and set for, Classification alone.");
+    row("Classification == Grund", "Column 19: there is no class and no attribute \"Grund\"; did you mean Ground?");
     row("Intensity > 1 if NormalZ > 1", "Column 29: \"else\" is missing: the expression ends here.");
     row("(1, 2) == 3", "Column 3: a list of values has its place behind \"in\" only.");
     row("Intensity not 3", "Column 15: \"in\" or \"between\" is missing behind \"not\".");

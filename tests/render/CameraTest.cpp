@@ -142,6 +142,13 @@ void CameraTest::tellsHowLargeABoxIsSeen()
     away.yaw += 3.14159;
     away.pitch = -away.pitch;
     QCOMPARE(away.seenSize(box, size), 0.0);  // behind the eye
+    // far to the side, and as deep as before the eye and behind it
+    Camera near;
+    QVERIFY(near.setView("front"));
+    near.fit(box, size);
+    const double depth = near.eye.y;
+    QCOMPARE(near.seenSize({{1e5, depth - 50, 0}, {1e5 + 100, depth + 50, 5}}, size), 0.0);
+    QCOMPARE(near.seenSize({{100, depth - 50, 0}, {110, depth + 50, 5}}, size), 400.0);
 }
 
 void CameraTest::degreesHaveTheirTrueShape()

@@ -24,8 +24,6 @@ using namespace punctum::ui::test;
 namespace
 {
 
-constexpr const char* kAutzen = "autzen_trim.laz";
-
 /// Where the file says the point is.
 glm::dvec3 worldOf(const PointCloud& cloud, PointIndex index)
 {
@@ -44,7 +42,7 @@ private:
     /// The file from above, drawn; null without the file.
     static Document* openFromAbove(TestWindow& test)
     {
-        Document* const document = test.open(dataFile(QLatin1String(kAutzen)));
+        Document* const document = test.open(surveyFile());
         if (document == nullptr) return nullptr;
         test.window->viewport().setStandardView(QStringLiteral("top"));
         QTest::qWait(400);  // the camera flies there
@@ -76,7 +74,6 @@ private:
 private slots:
     void measuresWhatIsClicked()
     {
-        if (dataFile(QLatin1String(kAutzen)).isEmpty()) QSKIP("autzen_trim.laz is not here.");
         TestWindow test;
         Document* document = openFromAbove(test);
         QVERIFY(document);
@@ -119,7 +116,7 @@ private slots:
         QVERIFY(waitFor([&] { return QFile::exists(csv) && !test.window->workspace().busy(); }));
         QFile file(csv);
         QVERIFY(file.open(QIODevice::ReadOnly));
-        QVERIFY(file.readAll().contains("5,box,autzen_trim.laz,Volume,"));
+        QVERIFY(file.readAll().contains("5,box,survey.laz,Volume,"));
         // they go with the file
         test.window->workspace().close(*document);
         QVERIFY(all.entries().empty());
@@ -128,7 +125,6 @@ private slots:
 
     void inspectsAPoint()
     {
-        if (dataFile(QLatin1String(kAutzen)).isEmpty()) QSKIP("autzen_trim.laz is not here.");
         TestWindow test;
         Document* document = openFromAbove(test);
         QVERIFY(document);
@@ -168,7 +164,6 @@ private slots:
 
     void keysTakeBack()
     {
-        if (dataFile(QLatin1String(kAutzen)).isEmpty()) QSKIP("autzen_trim.laz is not here.");
         TestWindow test;
         QVERIFY(openFromAbove(test));
         MeasureTools& tools = test.window->measureTools();

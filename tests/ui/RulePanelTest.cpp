@@ -7,6 +7,7 @@
 #include "ui/Text.h"
 #include "ui/ViewSettings.h"
 #include "ui/select/EditDock.h"
+#include "ui/select/RuleField.h"
 #include "ui/style/Widgets.h"
 
 #include <QCheckBox>
@@ -104,7 +105,6 @@ class RulePanelTest : public QObject
 private slots:
     void rulesSelectAndApply()
     {
-        NEED_AUTZEN();
         RuleBench b;
         QVERIFY(b.begin(QStringLiteral("Z")));
         const PointSet expected = b.holds("Z > 420 and Classification == 1");
@@ -132,7 +132,6 @@ private slots:
     // The picture before Apply is the one after it, and each way to end it leaves nothing behind.
     void newClassesAreShownBeforeTheyAre()
     {
-        NEED_AUTZEN();
         RuleBench b;
         QVERIFY(b.begin(QStringLiteral("Classification")));
         const render::Image plain = b.frame()->image;
@@ -199,7 +198,6 @@ private slots:
 
     void newClassesAreShownWhateverIsShown()
     {
-        NEED_AUTZEN();
         RuleBench b;
         QVERIFY(b.begin(QStringLiteral("Z")));
         const render::Image heights = b.frame()->image;
@@ -226,7 +224,6 @@ private slots:
     // values.
     void otherChangesAreTintedOrShown()
     {
-        NEED_AUTZEN();
         RuleBench b;
         QVERIFY(b.begin(QStringLiteral("Classification")));
         const render::Image plain = b.frame()->image;
@@ -252,7 +249,6 @@ private slots:
 
     void classOfTheSelectedPoints()
     {
-        NEED_AUTZEN();
         RuleBench b;
         QVERIFY(b.begin(QStringLiteral("Classification")));
         const render::Image plain = b.frame()->image;
@@ -279,7 +275,6 @@ private slots:
 
     void savingMeanwhileKnowsNothingOfIt()
     {
-        NEED_AUTZEN();
         RuleBench b;
         QVERIFY(b.begin(QStringLiteral("Classification")));
         const render::Image plain = b.frame()->image;

@@ -31,7 +31,6 @@ using namespace punctum::ui::test;
 namespace
 {
 
-const QString kAutzen = QStringLiteral("autzen_trim.laz");
 const QString kCopc = QStringLiteral("lion_takanawa.copc.laz");
 
 #define NEED_DATA(name)                                                                        \
@@ -90,11 +89,10 @@ class SavingTest : public QObject
 private slots:
     void saysWhatSavingWillChangeAndWhatItChanged()
     {
-        NEED_DATA(kAutzen);
         TestWindow test;
         const QString path = test.folder.filePath(QStringLiteral("survey.laz"));
         const QString before = test.folder.filePath(QStringLiteral("before.laz"));
-        QVERIFY(QFile::copy(dataFile(kAutzen), path) && QFile::copy(path, before));
+        QVERIFY(QFile::copy(surveyFile(), path) && QFile::copy(path, before));
         QFile::setPermissions(path, QFile::ReadOwner | QFile::WriteOwner);
         Document* document = test.open(path);
         QVERIFY(document);
@@ -149,9 +147,8 @@ private slots:
 
     void savingWithoutChangesSaysSo()
     {
-        NEED_DATA(kAutzen);
         TestWindow test;
-        Document* document = test.open(dataFile(kAutzen));
+        Document* document = test.open(surveyFile());
         QVERIFY(document);
         const QString path = test.folder.filePath(QStringLiteral("same.las"));
         answerFileDialog(this, path);
@@ -159,7 +156,7 @@ private slots:
         QVERIFY(waitFor([&] { return QFileInfo::exists(path) && !test.window->workspace().busy(); }));
         QVERIFY2(lastSentence(test).contains(QStringLiteral("Nothing in it changed.")),
                  qPrintable(lastSentence(test)));
-        QVERIFY(differenceOf(dataFile(kAutzen), path).contentEqual());
+        QVERIFY(differenceOf(surveyFile(), path).contentEqual());
     }
 
     void asksWhereSomethingIsLeftOut()
@@ -251,10 +248,9 @@ private slots:
 
     void asksOnceForAnotherFormat()
     {
-        NEED_DATA(kAutzen);
         TestWindow test;
         const QString path = test.folder.filePath(QStringLiteral("old.laz"));
-        QVERIFY(QFile::copy(dataFile(kAutzen), path));
+        QVERIFY(QFile::copy(surveyFile(), path));
         QFile::setPermissions(path, QFile::ReadOwner | QFile::WriteOwner);
         Document* document = test.open(path);
         QVERIFY(document);
@@ -315,7 +311,6 @@ private slots:
 
     void savesAlthoughThereIsNothingToCompareWith()
     {
-        NEED_DATA(kAutzen);
         TestWindow test;
         const QString path = test.folder.filePath(QStringLiteral("gone.las"));
         writeSample(path, 5000);

@@ -133,7 +133,6 @@ class SectionViewTest : public QObject
 private slots:
     void aLineOpensIt()
     {
-        NEED_AUTZEN();
         SectionBench b;
         QVERIFY(b.begin(Tool::Rectangle));
         const QPoint from = b.nearest(0.35, 0.62), to = b.nearest(0.6, 0.45);
@@ -201,7 +200,6 @@ private slots:
 
     void toolsWorkInIt()
     {
-        NEED_AUTZEN();
         SectionBench b;
         QVERIFY(b.beginSection());
         const double r = b.ratio();
@@ -271,7 +269,6 @@ private slots:
 
     void aKeySetsTheirClass()
     {
-        NEED_AUTZEN();
         SectionBench b;
         QVERIFY(b.beginSection());
         const Attribute classes = *b.document->findAttribute(QStringLiteral("Classification"));
@@ -314,7 +311,6 @@ private slots:
 
     void arrowsWalk()
     {
-        NEED_AUTZEN();
         SectionBench b;
         QVERIFY(b.beginSection());
         const Section start = b.section();
@@ -391,7 +387,6 @@ private slots:
 
     void pointsAreLinked()
     {
-        NEED_AUTZEN();
         SectionBench b;
         QVERIFY(b.beginSection());
         std::optional<PickedPoint> target;
@@ -426,7 +421,6 @@ private slots:
 
     void boxIsDraggedInIt()
     {
-        NEED_AUTZEN();
         SectionBench b;
         QVERIFY(b.beginSection());
         Clip clip;
@@ -456,7 +450,6 @@ private slots:
 
     void measuresInIt()
     {
-        NEED_AUTZEN();
         SectionBench b;
         QVERIFY(b.beginSection());
         const std::array places{b.nearest(0.2, 0.5), b.nearest(0.5, 0.5)};
@@ -474,7 +467,6 @@ private slots:
 
     void aShapeOutlivesTheSection()
     {
-        NEED_AUTZEN();
         SectionBench b;
         QVERIFY(b.beginSection());
         b.key(Qt::Key_R);
@@ -503,7 +495,6 @@ private slots:
 
     void aLineIsDrawnWhileTheCameraMoves()
     {
-        NEED_AUTZEN();
         SectionBench b;
         QVERIFY(b.begin(Tool::None));
         const QPoint first = b.nearest(0.4, 0.55);
@@ -519,7 +510,6 @@ private slots:
 
     void isSmallInASmallWindow()
     {
-        NEED_AUTZEN();
         SectionBench b;
         QVERIFY(b.beginSection());
         const QLabel* const title = b.pane().findChild<QLabel*>();
@@ -538,7 +528,6 @@ private slots:
 
     void aScreenshotShowsWhatHasTheKeys()
     {
-        NEED_AUTZEN();
         SectionBench b;
         QVERIFY(b.beginSection());
         const QString path = b.folder.filePath(QStringLiteral("shot.png"));
@@ -552,7 +541,6 @@ private slots:
 
     void followsItsFileAndRemembersItsWidth()
     {
-        NEED_AUTZEN();
         const QTemporaryDir folder;
         const QString settings = folder.filePath(QStringLiteral("s.ini"));
         {

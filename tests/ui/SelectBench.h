@@ -21,7 +21,6 @@
 namespace punctum::ui::test
 {
 
-inline const QString kAutzen = QStringLiteral("autzen_trim.laz");
 using Tool = SelectTools::Tool;
 
 /// A window with the file open, seen from above.
@@ -31,7 +30,7 @@ struct Bench : TestWindow {
 
     explicit Bench(const QString& settings = {}) : TestWindow(ViewKind::Automatic, settings) {}
 
-    bool begin(Tool tool, const QString& file = dataFile(kAutzen))
+    bool begin(Tool tool, const QString& file = surveyFile())
     {
         document = open(file);
         if (document == nullptr) return false;
@@ -127,8 +126,6 @@ inline bool insidePolygon(const std::vector<glm::dvec2>& corners, glm::dvec2 p)
 
 }  // namespace punctum::ui::test
 
-#define NEED_AUTZEN() \
-    if (dataFile(kAutzen).isEmpty()) QSKIP("autzen_trim.laz is not here.")
 #define SAME(what)                                    \
     do {                                              \
         const QString wrong = (what);                 \

@@ -10,6 +10,7 @@
 #include "core/task/Progress.h"
 #include "ui/MainMenu.h"
 #include "ui/Recovery.h"
+#include "ui/RecoveryList.h"
 #include "ui/Text.h"
 #include "ui/ViewSettings.h"
 #include "ui/Viewport.h"
@@ -20,17 +21,22 @@
 #include "ui/docks/ClassesDock.h"
 #include "ui/docks/ClassesModel.h"
 #include "ui/docks/HistoryDock.h"
+#include "ui/measure/MeasureDock.h"
+#include "ui/measure/Measurements.h"
 #include "ui/select/EditDock.h"
 #include "ui/select/SelectBar.h"
 #include "ui/select/SelectTools.h"
 #include "ui/select/Selection.h"
 
+#include <QAbstractItemView>
 #include <QDir>
 #include <QFile>
 #include <QFileInfo>
 #include <QInputDialog>
 #include <QListWidget>
 #include <QMenu>
+#include <QPushButton>
+#include <QTreeWidget>
 #include <QWheelEvent>
 
 #include <cmath>
@@ -60,7 +66,6 @@ class SelectionTest : public QObject
 private slots:
     void rectangleAndModes()
     {
-        NEED_AUTZEN();
         Bench b;
         QVERIFY(b.begin(Tool::None));
         b.key(Qt::Key_R);  // the tool's own key
@@ -103,7 +108,6 @@ private slots:
 
     void polygonByClicks()
     {
-        NEED_AUTZEN();
         Bench b;
         QVERIFY(b.begin(Tool::Polygon));
         const std::vector<QPoint> clicks{b.at(0.3, 0.3), b.at(0.6, 0.25), b.at(0.7, 0.6), b.at(0.5, 0.5),
@@ -141,7 +145,6 @@ private slots:
 
     void lassoAndBrush()
     {
-        NEED_AUTZEN();
         Bench b;
         QVERIFY(b.begin(Tool::Lasso));
         std::vector<glm::dvec2> corners;
@@ -182,7 +185,6 @@ private slots:
 
     void spaceMovesTheCamera()
     {
-        NEED_AUTZEN();
         Bench b;
         QVERIFY(b.begin(Tool::Rectangle));
         QVERIFY(b.dragCamera(b.at(0.4, 0.4), b.at(0.6, 0.5)));
@@ -197,7 +199,6 @@ private slots:
 
     void hiddenAndLockedClassesAreLeftAlone()
     {
-        NEED_AUTZEN();
         Bench b;
         QVERIFY(b.begin(Tool::Rectangle));
         const Attribute classes = *b.document->findAttribute(QStringLiteral("Classification"));
@@ -222,7 +223,6 @@ private slots:
 
     void visibleSurfaceAndHiddenCount()
     {
-        NEED_AUTZEN();
         Bench b;
         QVERIFY(b.begin(Tool::Rectangle));
         render::Camera front = b.view().camera();
@@ -271,7 +271,6 @@ private slots:
 
     void keysSetClassesAndUndoBringsThemBack()
     {
-        NEED_AUTZEN();
         QFETCH(QByteArray, settings);
         QFETCH(QString, kept);
         const QTemporaryDir folder;
@@ -315,12 +314,11 @@ private slots:
     /// What a program that was killed leaves is offered when the file is opened again, and done again.
     void editsComeBackAfterACrash()
     {
-        NEED_AUTZEN();
         const QTemporaryDir folder;
         const QString file = folder.filePath(QStringLiteral("a.laz")),
                       settings = folder.filePath(QStringLiteral("s.ini"));
         const QDir journals(folder.filePath(QStringLiteral("journals")));
-        QVERIFY(QFile::copy(dataFile(kAutzen), file));
+        QVERIFY(QFile::copy(surveyFile(), file));
         const auto found = [&] { return journals.entryList({QStringLiteral("*.journal")}, QDir::Files); };
         std::vector<double> expected;
         const QString kept = folder.filePath(QStringLiteral("kept"));
@@ -347,9 +345,9 @@ private slots:
             Bench b(settings);
             QString told;
             b.window->workspace().recovery().ask = [&](const Question& question,
-                                                       const std::function<void(bool)>& answer) {
+                                                       const std::function<void(RecoveryAnswer)>& answer) {
                 told = question.reason;
-                answer(true);
+                answer(RecoveryAnswer::Recover);
             };
             QVERIFY(b.begin(Tool::None, file));
             QVERIFY(waitFor([&] { return b.document->data()->history->position() == 1; }) && b.done());
@@ -366,7 +364,7 @@ private slots:
         // the journal is of the file as it was: of the one that was saved it is not
         QVERIFY(QFile::copy(kept, journals.filePath(name)));
         Bench b(settings);
-        b.window->workspace().recovery().ask = [](const Question&, const std::function<void(bool)>&) {
+        b.window->workspace().recovery().ask = [](const Question&, const std::function<void(RecoveryAnswer)>&) {
             QFAIL("asked for another file");
         };
         QVERIFY(b.begin(Tool::None, file));
@@ -374,14 +372,167 @@ private slots:
         QCOMPARE(b.document->data()->history->position(), std::size_t(0));
     }
 
+    /// Asked later, nothing is lost; set aside, the window gives it back.
+    void unsavedEditsWaitOrAreHadBack()
+    {
+        const QTemporaryDir folder;
+        const QString file = folder.filePath(QStringLiteral("a.laz")),
+                      other = folder.filePath(QStringLiteral("b.laz")),
+                      settings = folder.filePath(QStringLiteral("s.ini"));
+        const QDir journals(folder.filePath(QStringLiteral("journals")));
+        QVERIFY(QFile::copy(surveyFile(), file));
+        writeSurvey(other, 1000);
+        const auto found = [&](const QString& ending) {
+            return journals.entryList({QStringLiteral("*.") + ending}, QDir::Files);
+        };
+        const QString kept = folder.filePath(QStringLiteral("kept"));
+        QString name;
+        {
+            Bench b(settings);
+            QVERIFY(b.begin(Tool::Rectangle, file));
+            b.drag(b.at(0.3, 0.3), b.at(0.6, 0.6));
+            QVERIFY(b.done());
+            QVERIFY(b.runEdit([&] { b.key(Qt::Key_6); }));
+            name = found(QStringLiteral("journal")).front();
+            QVERIFY(QFile::copy(journals.filePath(name), kept));  // the moment of the crash
+        }
+        QVERIFY(QFile::copy(kept, journals.filePath(name)));
+        {
+            Bench b(settings);
+            const auto box = [] {
+                for (QWidget* widget : QApplication::topLevelWidgets())
+                    if (widget->isVisible() && widget->objectName() == QStringLiteral("recoveryQuestion"))
+                        return widget;
+                return static_cast<QWidget*>(nullptr);
+            };
+            b.document = b.open(file);
+            QVERIFY(b.document && waitFor([&] { return box() != nullptr; }));
+            QTest::keyClick(box(), Qt::Key_Escape);
+            QVERIFY(waitFor([&] { return box() == nullptr; }) && b.done());
+            QCOMPARE(b.document->data()->history->position(), std::size_t(0));
+            QCOMPARE(found(QStringLiteral("journal")), QStringList{name});
+            b.window->workspace().close(*b.document);
+            QVERIFY(b.done());
+            QCOMPARE(found(QStringLiteral("journal")), QStringList{name});  // it waits still
+
+            // asked again, and set aside
+            b.window->workspace().recovery().ask = [](const Question&,
+                                                      const std::function<void(RecoveryAnswer)>& answer) {
+                answer(RecoveryAnswer::SetAside);
+            };
+            QVERIFY(b.open(file));
+            QVERIFY(waitFor([&] { return found(QStringLiteral("declined")).size() == 1; }) && b.done());
+            QVERIFY(found(QStringLiteral("journal")).isEmpty());
+        }
+        Bench b(settings);
+        b.window->workspace().recovery().ask = [](const Question&, const std::function<void(RecoveryAnswer)>&) {
+            QFAIL("asked for what was set aside");
+        };
+        QVERIFY(b.begin(Tool::None, other));
+        auto* action = b.window->findChild<QAction*>(QStringLiteral("recoverEdits"));
+        QVERIFY(action && action->isEnabled());
+        action->trigger();
+        auto* list = b.window->findChild<RecoveryList*>();
+        QVERIFY(list && waitFor([&] { return list->list().topLevelItemCount() == 1; }));
+        QCOMPARE(list->list().topLevelItem(0)->text(0), QStringLiteral("a.laz"));
+        QVERIFY(list->list().topLevelItem(0)->text(1).contains(QStringLiteral("Classification = 6")));
+        QTest::mouseClick(&list->recoverButton(), Qt::LeftButton);
+        QVERIFY(waitFor([&] { return b.window->workspace().documents().size() == 2; }));
+        b.document = b.window->workspace().documents()[1];
+        QVERIFY(waitFor([&] { return b.document->data()->history->position() == 1; }) && b.done());
+        QCOMPARE(b.document->path(), file);
+        QVERIFY(b.document->modified());
+        // it is noted on from there, as the journal of what is not saved
+        QVERIFY(found(QStringLiteral("declined")).isEmpty());
+        QCOMPARE(found(QStringLiteral("journal")), QStringList{name});
+    }
+
+    /// Selections and edits are undone in the order in which they were done.
+    void selectionsAreUndoneInOrder()
+    {
+        Bench b;
+        QVERIFY(b.begin(Tool::Rectangle));
+        const auto undo = [&] {
+            QTest::keyClick(&b.view(), Qt::Key_Z, Qt::ControlModifier);
+            return b.done();
+        };
+        const auto redo = [&] {
+            QTest::keyClick(&b.view(), Qt::Key_Y, Qt::ControlModifier);
+            return b.done();
+        };
+        const auto edits = [&] { return b.document->data()->history->position(); };
+        b.drag(b.at(0.3, 0.3), b.at(0.5, 0.5));
+        QVERIFY(b.done() && b.points());
+        const PointSet first = *b.points();
+        QVERIFY(b.runEdit([&] { b.key(Qt::Key_6); }));
+        b.drag(b.at(0.5, 0.5), b.at(0.7, 0.7), Qt::ShiftModifier);
+        QVERIFY(b.done());
+        const PointSet second = *b.points();
+        QVERIFY(second.count() > first.count());
+        b.click(b.at(0.02, 0.98));  // a stray click takes all of it away
+        QVERIFY(b.done() && !b.points());
+
+        QVERIFY(undo() && b.points() && *b.points() == second);
+        QCOMPARE(edits(), std::size_t(1));
+        QVERIFY(undo() && b.points() && *b.points() == first);
+        QCOMPARE(edits(), std::size_t(1));
+        QVERIFY(b.window->menu().undo->text().contains(QStringLiteral("Classification = 6")));
+        QVERIFY(undo() && waitFor([&] { return edits() == 0; }) && b.done());
+        QVERIFY(b.points() && *b.points() == first);
+        QVERIFY(undo() && !b.points());
+        QVERIFY(!b.window->menu().undo->isEnabled());
+        QVERIFY(redo() && b.points() && *b.points() == first);
+        QVERIFY(redo() && waitFor([&] { return edits() == 1; }) && b.done());
+        QVERIFY(redo() && b.points() && *b.points() == second);
+        QVERIFY(redo() && !b.points());
+        QVERIFY(!b.window->menu().redo->isEnabled());
+    }
+
+    /// Keys without Ctrl act where the view has the keys: in a list they are the list's.
+    void keysAreWhereTheFocusIs()
+    {
+        Bench b;
+        QVERIFY(b.begin(Tool::Rectangle));
+        b.drag(b.at(0.3, 0.3), b.at(0.6, 0.6));
+        QVERIFY(b.done() && b.points());
+        const auto deleted = [&] { return b.document->deletedPoints(); };
+        const auto position = [&] { return b.document->data()->history->position(); };
+        const auto point = [&](PointIndex i) { return MeasuredPoint{i, b.document->cloud()->world(i)}; };
+        b.window->measurements().add(*b.document, MeasureKind::Distance, {point(0), point(1)});
+        QTreeWidget& list = b.window->measureDock().list();
+        QVERIFY(waitFor([&] { return list.topLevelItemCount() == 1; }));
+        list.setFocus();
+        list.setCurrentItem(list.topLevelItem(0));
+        QTest::keyClick(&list, Qt::Key_6);
+        QTest::keyClick(&list, Qt::Key_B);
+        QTest::keyClick(&list, Qt::Key_Delete);
+        QVERIFY(b.done());
+        QCOMPARE(list.topLevelItemCount(), 0);
+        QCOMPARE(deleted(), PointIndex(0));
+        QCOMPARE(position(), std::size_t(0));
+        QVERIFY(b.window->selectTools().tool() == Tool::Rectangle);
+        // without one that is chosen nothing is removed
+        QVERIFY(!b.window->measureDock().removeButton().isEnabled());
+        QWidget* const classes = b.window->classesDock().findChild<QAbstractItemView*>();
+        QVERIFY(classes);
+        classes->setFocus();
+        QTest::keyClick(classes, Qt::Key_6);
+        QTest::keyClick(classes, Qt::Key_Delete);
+        QVERIFY(b.done());
+        QCOMPARE(position(), std::size_t(0));
+        b.view().setFocus();
+        QVERIFY(b.runEdit([&] { b.key(Qt::Key_6); }));
+        QTest::keyClick(&b.view(), Qt::Key_Delete);
+        QVERIFY(waitFor([&] { return deleted() > 0; }));
+    }
+
     /// Saved, undone beyond that, and crashed: the journal is of the file that was saved, and leads to what was
     /// seen.
     void undoneSavesComeBackAfterACrash()
     {
-        NEED_AUTZEN();
         const QTemporaryDir folder;
         const QString file = folder.filePath(QStringLiteral("a.laz"));
-        QVERIFY(QFile::copy(dataFile(kAutzen), file));
+        QVERIFY(QFile::copy(surveyFile(), file));
         Bench b(folder.filePath(QStringLiteral("s.ini")));
         QVERIFY(b.begin(Tool::Rectangle, file));
         b.drag(b.at(0.3, 0.3), b.at(0.6, 0.6));
@@ -408,11 +559,10 @@ private slots:
 
     void deletedPointsAreGoneUntilRestored()
     {
-        NEED_AUTZEN();
         const QTemporaryDir folder;
         const QString file = folder.filePath(QStringLiteral("a.laz")),
                       settings = folder.filePath(QStringLiteral("s.ini"));
-        QVERIFY(QFile::copy(dataFile(kAutzen), file));
+        QVERIFY(QFile::copy(surveyFile(), file));
         const auto press = [](Bench& b, Qt::Key key, Qt::KeyboardModifiers modifiers) {
             const auto history = b.document->data()->history;
             const std::size_t before = history->position();
@@ -490,15 +640,13 @@ private slots:
         QCOMPARE(b.document->deletedPoints(), PointIndex(0));
         b.window->save();
         QVERIFY(waitFor([&] { return !b.window->isWindowModified(); }) && b.done());
-        const las::Difference same =
-            las::diffFiles(dataFile(kAutzen).toStdString(), file.toStdString(), {}, progress);
+        const las::Difference same = las::diffFiles(surveyFile().toStdString(), file.toStdString(), {}, progress);
         QVERIFY2(same.differing == 0 && same.pointsB == all,
                  qPrintable(QString::fromStdString(las::summary(same))));
     }
 
     void attributesAreAddedRenamedAndRemoved()
     {
-        NEED_AUTZEN();
         Bench b;
         QVERIFY(b.begin(Tool::None));
         AttributesDock& dock = b.window->attributesDock();
@@ -548,7 +696,6 @@ private slots:
 
     void classesAreSelectedByTheirMenu()
     {
-        NEED_AUTZEN();
         Bench b;
         QVERIFY(b.begin(Tool::None));
         ClassesDock& dock = b.window->classesDock();
@@ -572,7 +719,6 @@ private slots:
 
     void withheldIsAFlagAndSelectedPointsGoToAnotherFile()
     {
-        NEED_AUTZEN();
         Bench b;
         QVERIFY(b.begin(Tool::Rectangle));
         b.drag(b.at(0.3, 0.3), b.at(0.6, 0.6));

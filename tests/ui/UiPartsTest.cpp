@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The parts of ui that need no window: navigation, texts, icons.
 #include "ui/Navigation.h"
+#include "ui/Numbers.h"
 #include "ui/Text.h"
 #include "ui/marks/ScaleBar.h"
+#include "ui/select/SelectionSteps.h"
 #include "ui/style/Icons.h"
 
 #include <QDir>
@@ -12,6 +14,7 @@
 #include <glm/geometric.hpp>
 
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 
 using namespace punctum;
@@ -116,6 +119,117 @@ private slots:
     {
         QFETCH(double, value);
         QTEST(numberText(value), "text");
+    }
+    void readsWhatPeopleType_data()
+    {
+        QTest::addColumn<QLocale>("locale");
+        QTest::addColumn<QString>("typed");
+        QTest::addColumn<QString>("plain");  // empty: refused
+        const QLocale english(QLocale::English, QLocale::UnitedStates), german(QLocale::German, QLocale::Germany),
+            swiss(QLocale::German, QLocale::Switzerland), french(QLocale::French, QLocale::France);
+        const auto row = [](const char* name, const QLocale& locale, const QString& typed, const char* plain) {
+            QTest::newRow(name) << locale << typed << QString::fromLatin1(plain);
+        };
+        row("english", english, QStringLiteral("42.5"), "42.5");
+        row("english, the comma is no decimal sign", english, QStringLiteral("42,5"), "");
+        row("english, groups", english, QStringLiteral("1,234,567.25"), "1234567.25");
+        row("english, a group of two", english, QStringLiteral("1,23,456"), "");
+        row("english, four before the group", english, QStringLiteral("1234,567"), "");
+        row("english, a group behind the point", english, QStringLiteral("0.123,456"), "");
+        row("english, blanks", english, QStringLiteral(" 12 345 "), "12345");
+        row("english, mixed separators", english, QStringLiteral("1,234 567"), "");
+        row("english, no whole part", english, QStringLiteral("-.5"), "-0.5");
+        row("english, exponent", english, QStringLiteral("2.5e-7"), "2.5e-7");
+        row("english, beyond all numbers", english, QStringLiteral("1e999"), "");
+        row("english, a unit", english, QStringLiteral("5 m"), "");
+        row("english, digits of 64 bits", english, QStringLiteral("18446744073709551615"), "18446744073709551615");
+        row("english, nothing", english, QStringLiteral("  "), "");
+        row("english, words", english, QStringLiteral("nan"), "");
+        row("german", german, QStringLiteral("42,5"), "42.5");
+        row("german, the point is no decimal sign", german, QStringLiteral("42.5"), "");
+        row("german, groups", german, QStringLiteral("1.234.567,25"), "1234567.25");
+        row("german, typed with a minus sign", german, QStringLiteral("\u22121.234"), "-1234");
+        row("swiss", swiss, QStringLiteral("1\u2019234.5"), "1234.5");
+        row("swiss, with an apostrophe", swiss, QStringLiteral("1'234.5"), "1234.5");
+        row("swiss, with a comma", swiss, QStringLiteral("42,5"), "");
+        row("french", french, QStringLiteral("1\u202f234,5"), "1234.5");
+        row("french, with a common blank", french, QStringLiteral("1 234,5"), "1234.5");
+        row("french, with a point", french, QStringLiteral("42.5"), "");
+        row("other digits", QLocale(QLocale::Arabic, QLocale::Egypt), QStringLiteral("\u0664\u0662\u066b\u0665"),
+            "42.5");
+    }
+    void readsWhatPeopleType()
+    {
+        QFETCH(QLocale, locale);
+        QFETCH(QString, typed);
+        QFETCH(QString, plain);
+        const NumberRead read = readNumber(typed, locale);
+        QCOMPARE(read.plain, plain);
+        QCOMPARE(bool(read), !plain.isEmpty());
+        if (!read) QVERIFY2(read.problem.endsWith(QLatin1Char('.')), qPrintable(read.problem));
+        if (!read) return;
+        QCOMPARE(read.value, plain.toDouble());
+        // what is written can be typed again, in each language
+        for (const QLocale& other : {QLocale(QLocale::English), QLocale(QLocale::German), QLocale(QLocale::French),
+                                     QLocale(QLocale::German, QLocale::Switzerland), QLocale(QLocale::Hindi)})
+            QCOMPARE(readNumber(localNumber(plain, other), other).plain, plain);
+    }
+    void writesNumbers()
+    {
+        const auto german = [](const QString& plain) { return localNumber(plain, QLocale(QLocale::German)); };
+        QCOMPARE(german(QStringLiteral("-1234.50")), QStringLiteral("-1.234,50"));
+        QCOMPARE(german(QStringLiteral("123")), QStringLiteral("123"));
+        QCOMPARE(german(QStringLiteral("1e-05")), QStringLiteral("1e-05"));
+        QCOMPARE(german(QStringLiteral("none")), QStringLiteral("none"));
+        QCOMPARE(localNumber(QStringLiteral("1234567.5"), QLocale(QLocale::French)),
+                 QStringLiteral("1\u202f234\u202f567,5"));
+    }
+    void pathsKeepTheirBytes_data()
+    {
+        QTest::addColumn<QByteArray>("bytes");
+        QTest::newRow("plain") << QByteArray("/a/b.las");
+        QTest::newRow("UTF-8") << QByteArray("/a/\xc3\xa4\xf0\x9f\x8c\xb2.las");
+        QTest::newRow("Latin-1") << QByteArray("/a/caf\xe9.las");
+        QTest::newRow("cut UTF-8") << QByteArray("/a/\xf0\x9f\x8c");
+        QTest::newRow("a replacement character of its own") << QByteArray("/\xef\xbf\xbd\xff");
+        QTest::newRow("a surrogate in UTF-8") << QByteArray("/\xed\xb2\x80");
+    }
+    void pathsKeepTheirBytes()
+    {
+        QFETCH(QByteArray, bytes);
+        const std::filesystem::path path(bytes.toStdString());
+        QCOMPARE(toPath(toQString(path)).string(), bytes.toStdString());
+    }
+    void selectionStepsGoBackAndOn()
+    {
+        SelectionSteps steps;
+        const auto kept = [](PointIndex size) {
+            auto k = std::make_shared<KeptSelection>();
+            k->plain = std::make_shared<const PointSet>(size);
+            return k;
+        };
+        QVERIFY(!steps.undo() && !steps.redo());
+        steps.push({QStringLiteral("a"), 0, kept(64)});
+        steps.push({QStringLiteral("b"), 1, kept(64)});
+        QCOMPARE(steps.undo()->name, QStringLiteral("b"));
+        QCOMPARE(steps.undo(1)->name, QStringLiteral("a"));
+        QVERIFY(!steps.undo(2));
+        steps.moveBack(kept(64));
+        QCOMPARE(steps.redo()->name, QStringLiteral("b"));
+        QCOMPARE(steps.undo()->edits, std::size_t(0));
+        steps.moveOn(kept(64));
+        QVERIFY(!steps.redo());
+        steps.moveBack(kept(64));
+        steps.push({QStringLiteral("c"), 1, kept(64)});  // what was undone is gone
+        QVERIFY(!steps.redo());
+        // bounded, and the newest stays
+        for (int k = 0; k < 20; ++k) steps.push({QString::number(k), 1, kept(SelectionSteps::kMostBytes)});
+        std::size_t count = 0;
+        while (steps.undo(count)) ++count;
+        QCOMPARE(count, std::size_t(8));
+        QCOMPARE(steps.undo()->name, QStringLiteral("19"));
+        steps.push({QStringLiteral("vast"), 1, kept(SelectionSteps::kMostBytes * 16)});
+        QVERIFY(steps.undo() && !steps.undo(1));
     }
     void countsAndClasses()
     {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "MadeSurvey.h"
+
 #include "ui/Document.h"
 #include "ui/MainWindow.h"
 #include "ui/ViewRenderer.h"

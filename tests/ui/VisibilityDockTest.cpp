@@ -4,17 +4,24 @@
 
 #include "core/task/Progress.h"
 #include "ui/ClipFrame.h"
+#include "ui/ShownCount.h"
+#include "ui/ShownPill.h"
+#include "ui/Text.h"
 #include "ui/ViewFilter.h"
 #include "ui/ViewSettings.h"
 #include "ui/Viewport.h"
 #include "ui/Workspace.h"
 #include "ui/docks/VisibilityDock.h"
+#include "ui/select/EditDock.h"
 #include "ui/select/SelectTools.h"
+#include "ui/select/Selection.h"
+#include "ui/style/NumberField.h"
 
 #include <QCheckBox>
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
+#include <QStatusBar>
 #include <QWindow>
 
 #include <atomic>
@@ -71,8 +78,7 @@ class VisibilityDockTest : public QObject
 private slots:
     void hidesAndShows()
     {
-        const QString file = dataFile(QStringLiteral("autzen_trim.laz"));
-        if (file.isEmpty()) QSKIP("autzen_trim.laz is not here.");
+        const QString file = surveyFile();
         DockBench test;
         QVERIFY(test.begin(file));
         const Document* const document = test.document;
@@ -140,10 +146,124 @@ private slots:
         QVERIFY(waitFor([&] { return difference(all, test.frame()->image) == 0.0; }));
     }
 
+    /// A box of a small thing holds all of it, whatever the decimals of its fields; and what is no number changes
+    /// nothing.
+    void boxOfASmallFile()
+    {
+        DockBench test;
+        const QString file = test.folder.filePath(QStringLiteral("small.las"));
+        writeSurvey(file, 3000);
+        {
+            // steps of 1e-7: a coin, as a survey is
+            QFile bytes(file);
+            QVERIFY(bytes.open(QIODevice::ReadWrite));
+            for (int axis = 0; axis < 3; ++axis) {
+                const double scale = 1e-7;
+                bytes.seek(131 + 8 * axis);
+                bytes.write(reinterpret_cast<const char*>(&scale), sizeof scale);
+            }
+        }
+        QVERIFY(test.begin(file));
+        VisibilityDock& dock = test.dock();
+        auto* box = dock.findChild<QCheckBox*>();
+        QTest::mouseClick(box, Qt::LeftButton, {}, QPoint(8, box->height() / 2));
+        QTest::mouseClick(find<QPushButton>(dock, QStringLiteral("Box of the File")), Qt::LeftButton);
+        QVERIFY(test.window->viewSettings().display().clip.box && test.settle());
+        QCOMPARE(test.hidden(), PointIndex(0));
+        auto* least = find<NumberField>(dock, QStringLiteral("Least X"));
+        auto* most = find<NumberField>(dock, QStringLiteral("Most X"));
+        QVERIFY(least && most);
+        QCOMPARE(least->text(), QStringLiteral("6.3600176"));
+        // typed, it is what was typed
+        const Clip before = test.window->viewSettings().display().clip;
+        const auto type = [](QLineEdit* field, const QString& text) {
+            field->setFocus();
+            field->selectAll();
+            QTest::keyClicks(field, text);
+            QTest::keyClick(field, Qt::Key_Return);
+        };
+        type(least, QStringLiteral("6,3"));
+        QVERIFY(least->property("wrong").toBool() && test.window->viewSettings().display().clip == before);
+        type(least, QStringLiteral("6.366"));
+        QVERIFY(!least->property("wrong").toBool());
+        QCOMPARE(test.window->viewSettings().display().clip.box->min.x, 6.366);
+        QCOMPARE(test.window->viewSettings().display().clip.box->max.x, before.box->max.x);
+        type(most, QStringLiteral("6.365"));
+        QVERIFY(most->property("wrong").toBool());
+        QCOMPARE(test.window->viewSettings().display().clip.box->max.x, before.box->max.x);
+    }
+
+    /// The view says that points are hidden, and what hides them; what hides them ends with the files it was chosen
+    /// for.
+    void hiddenPointsAreTold()
+    {
+        DockBench test;
+        QVERIFY(test.begin(surveyFile()));
+        MainWindow& window = *test.window;
+        const auto says = [&](const QString& text) {
+            return waitFor([&] { return window.shownPill().text() == text && window.shownCount().state().known; });
+        };
+        const auto status = [&](const QString& text) {
+            return waitFor([&] {
+                for (const QLabel* label : window.statusBar()->findChildren<QLabel*>())
+                    if (label->text() == text) return true;
+                return false;
+            });
+        };
+        QVERIFY(says({}) && status(QStringLiteral("All points drawn")));
+        QVERIFY(waitFor([&] { return test.document->classCounts().has_value(); }));
+        const quint64 ground = (*test.document->classCounts())[2];
+        window.viewSettings().setClassVisible(2, false);
+        window.viewSettings().setClassVisible(17, false);  // there is none of it
+        QVERIFY(says(QStringLiteral("%1 of 110,000 shown: 1 class").arg(countText(110000 - ground))));
+        QVERIFY(status(QStringLiteral("All %1 shown points drawn").arg(countText(110000 - ground))));
+        window.viewFilter().setText(QStringLiteral("Intensity > 100"));
+        Clip clip;
+        clip.box = test.document->bounds();
+        clip.box->max.x -= 500;
+        window.viewSettings().setClip(clip);
+        QVERIFY(waitFor(
+            [&] { return window.shownCount().state().known && window.shownCount().state().reasons.size() == 3; }));
+        QVERIFY(says(
+            QStringLiteral("%1 of 110,000 shown: filter, box, 1 class").arg(countText(110000 - test.hidden()))));
+        clip.box->max = clip.box->min - glm::dvec3(5);
+        clip.box->min -= glm::dvec3(10);
+        window.viewSettings().setClip(clip);
+        QVERIFY(status(QStringLiteral("No point is shown")));
+        window.viewSettings().setClassLocked(1, true);
+
+        // a second file, opened while all that is in force, is hidden as well, and that is said
+        const QString other = test.folder.filePath(QStringLiteral("other.las"));
+        writeSurvey(other, 5000, 2000.0);
+        Document* second = test.open(other);
+        QVERIFY(second && second != test.document);
+        QVERIFY(says(QStringLiteral("0 of 115,000 shown: filter, box, 1 class")));
+        // what was chosen for the first one goes with it
+        window.workspace().close(*test.document);
+        QVERIFY(says({}) && test.settle());
+        QVERIFY(window.viewFilter().text().isEmpty() && !window.viewSettings().display().clip.any());
+        QVERIFY(!window.viewSettings().classLocked(1));
+        for (bool visible : window.viewSettings().display().classVisible) QVERIFY(visible);
+
+        // the button shows all
+        window.viewSettings().setClassVisible(1, false);
+        window.viewFilter().setText(QStringLiteral("Intensity > 200"));
+        QVERIFY(waitFor([&] { return window.shownCount().state().reasons.size() == 2; }));
+        QTest::mouseClick(&window.shownPill().showAllButton(), Qt::LeftButton);
+        QVERIFY(says({}) && window.viewFilter().text().isEmpty());
+
+        // deleted points are said, and are not to be shown
+        window.selection().selectClass(2, SelectMode::Replace);
+        QVERIFY(waitFor([&] { return window.selection().count() > 0 && !window.selection().busy(); }));
+        const PointIndex some = window.selection().count();
+        window.editDock().deleteSelected();
+        QVERIFY(says(QStringLiteral("%1 of 5,000 shown: %2 deleted").arg(countText(5000 - some), countText(some))));
+        QVERIFY(!window.shownPill().showAllButton().isVisible());
+    }
+
     void boxIsDragged()
     {
-        const QString file = dataFile(QStringLiteral("autzen_trim.laz"));
-        if (file.isEmpty()) QSKIP("autzen_trim.laz is not here.");
+        const QString file = surveyFile();
         DockBench test;
         QVERIFY(test.begin(file));
         const Document* const document = test.document;
@@ -175,7 +295,7 @@ private slots:
         QTest::mouseMove(window, inWindow(from + by / 2));
         const double half = now().max.x;
         QVERIFY(half < whole.max.x - width / 8 && half > middle.x);
-        QCOMPARE(most->text(), QString::number(half, 'f', 3));
+        QCOMPARE(most->text(), coordinateText(half, 0.01));
         QVERIFY(waitFor([&] { return test.hidden() > 0 && test.frame()->report.share == 1.0; }));
         QTest::mouseMove(window, inWindow(from + by));
         QVERIFY(std::abs(now().max.x - middle.x) < width / 100);
@@ -230,7 +350,7 @@ private slots:
         least->setFocus();
         QTest::keyClick(least, Qt::Key_Up);
         QVERIFY(std::abs(now().min.x - (whole.min.x + (dragged.max.x - whole.min.x) / 100)) < width / 1000);
-        QCOMPARE(least->text(), QString::number(now().min.x, 'f', 3));
+        QCOMPARE(least->text(), coordinateText(now().min.x, 0.01));
 
         // A tool has the mouse for itself.
         test.window->selectTools().setTool(SelectTools::Tool::Lasso);

@@ -40,8 +40,9 @@ QMenu* AttributeActions::makeMenu(const QModelIndex& index)
     menu->setToolTipsVisible(true);
     menu->addAction(tr("&Add Attribute..."), this, &AttributeActions::askAdd);
     if (attribute == nullptr) return menu;
-    QAction* const rename = menu->addAction(tr("&Rename %1...").arg(name), this, [this, name] { askRename(name); });
-    QAction* const remove = menu->addAction(tr("Re&move %1").arg(name), this, [this, name] {
+    QAction* const rename =
+        menu->addAction(tr("&Rename %1...").arg(menuText(name)), this, [this, name] { askRename(name); });
+    QAction* const remove = menu->addAction(tr("Re&move %1").arg(menuText(name)), this, [this, name] {
         run(tr("Remove %1").arg(name), {"remove", {{"attribute", name.toStdString()}}, nullptr});
     });
     rename->setEnabled(!attribute->standard && attribute->components == 1 &&

@@ -4,6 +4,7 @@
 #include "render/color/ColorMap.h"
 #include "ui/Text.h"
 #include "ui/ViewSettings.h"
+#include "ui/style/NumberField.h"
 #include "ui/style/Theme.h"
 #include "ui/style/Widgets.h"
 
@@ -47,35 +48,19 @@ QIcon gradientIcon(const render::ColorTable& table, QSize size)
     return QIcon(pixmap);
 }
 
-/// As people type it: with or without separators, in the decimals of the window.
-std::optional<double> readNumber(QString text)
-{
-    text.remove(QLatin1Char(',')).remove(QLatin1Char(' '));
-    bool fine = false;
-    const double value = text.toDouble(&fine);
-    return fine && std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
-
-void markWrong(QLineEdit& field, bool wrong)
-{
-    if (field.property("wrong").toBool() == wrong) return;
-    field.setProperty("wrong", wrong);
-    field.style()->unpolish(&field);
-    field.style()->polish(&field);
-}
-
 }  // namespace
 
 ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     : QWidget(parent),
       m_settings(settings),
       m_map(new QComboBox),
-      m_low(new QLineEdit),
-      m_high(new QLineEdit),
+      m_low(new NumberField),
+      m_high(new NumberField),
       m_auto(new QPushButton(tr("Auto"))),
+      m_problem(dimLabel({})),
       m_bands(new QSpinBox),
       m_eyeDome(new QCheckBox(tr("Eye-dome"))),
-      m_size(new QDoubleSpinBox),
+      m_size(new NumberSpin),
       m_sizing(new QComboBox),
       m_round(new QCheckBox(tr("Round"))),
       m_averaged(new QCheckBox(tr("Averaged"))),
@@ -96,16 +81,20 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     m_low->setAccessibleName(tr("Lowest value"));
     m_high->setToolTip(tr("Value that gets the last color"));
     m_high->setAccessibleName(tr("Highest value"));
-    for (QLineEdit* field : {m_low, m_high}) {
+    for (NumberField* field : {m_low, m_high}) {
         field->setMinimumWidth(60);
         connect(field, &QLineEdit::editingFinished, this, &ColorPanel::applyRange);
+        connect(field, &NumberField::problemChanged, this, [this] {
+            m_problem->setText(m_low->problem().isEmpty() ? m_high->problem() : m_low->problem());
+            m_problem->setVisible(!m_problem->text().isEmpty());
+        });
     }
-    m_auto->setCheckable(true);
+    m_problem->setWordWrap(true);
+    m_problem->hide();
     m_auto->setToolTip(
         tr("Range from the 2nd to the 98th percentile of the values, so that outliers do not flatten "
            "the colors"));
-    connect(m_auto, &QPushButton::clicked, this,
-            [this](bool on) { m_settings.setRange(on ? std::nullopt : std::optional(m_range)); });
+    connect(m_auto, &QPushButton::clicked, this, &ColorPanel::automaticRange);
 
     m_bands->setRange(1, 64);
     m_bands->setSpecialValueText(tr("smooth"));
@@ -178,6 +167,7 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     };
     addRow(tr("Colors"), colors);
     addRow(tr("Range"), range);
+    form->addRow(m_problem);
     addRow(tr("Points"), points);
     addRow(tr("Look"), shape);
     addRow(tr("Samples"), m_samples);
@@ -191,6 +181,10 @@ void ColorPanel::takeSettings()
 {
     const QSignalBlocker noMap(m_map), noSize(m_size), noSamples(m_samples), noBands(m_bands), noDome(m_eyeDome),
         noSizing(m_sizing), noRound(m_round), noAveraged(m_averaged);
+    if (m_attribute != m_settings.attribute()) {  // what was typed was about another one
+        m_attribute = m_settings.attribute();
+        for (NumberField* field : {m_low, m_high}) field->put({});
+    }
     m_bands->setValue(std::max(1, m_settings.display().bands));
     m_eyeDome->setChecked(m_settings.display().eyeDome > 0);
     m_map->setCurrentIndex(std::max(0, m_map->findData(m_settings.colorMap())));
@@ -198,7 +192,6 @@ void ColorPanel::takeSettings()
     m_round->setChecked(m_settings.display().round);
     m_averaged->setChecked(m_settings.display().averaged);
     m_samples->setCurrentIndex(std::max(0, m_samples->findData(m_settings.display().samples)));
-    m_auto->setChecked(!m_settings.display().range);
 }
 
 void ColorPanel::takeSize()
@@ -231,33 +224,42 @@ void ColorPanel::setKind(std::optional<AttributeKind> kind)
     const bool scalar = kind == AttributeKind::Scalar;
     for (QWidget* widget : std::initializer_list<QWidget*>{m_map, m_low, m_high, m_auto, m_bands})
         widget->setEnabled(scalar);
-    if (!scalar) {
-        m_low->clear();
-        m_high->clear();
-    }
+    if (!scalar)
+        for (NumberField* field : {m_low, m_high}) field->put({});
 }
 
 void ColorPanel::setRange(std::pair<double, double> range)
 {
     if (!m_low->isEnabled()) return;
     m_range = range;
-    const auto put = [](QLineEdit& field, double value) {
-        const QString text = numberText(value);
-        if (!field.hasFocus() && field.text() != text) field.setText(text);
+    fillRange();
+}
+
+void ColorPanel::fillRange()
+{
+    const auto put = [](NumberField& field, double value) {
+        if (field.problem().isEmpty() || !field.isModified()) field.put(value, plainNumber(value));
     };
-    put(*m_low, range.first);
-    put(*m_high, range.second);
+    put(*m_low, m_range.first);
+    put(*m_high, m_range.second);
+}
+
+void ColorPanel::automaticRange()
+{
+    for (NumberField* field : {m_low, m_high}) field->put({});
+    m_settings.setRange(std::nullopt);
+    fillRange();
 }
 
 void ColorPanel::applyRange()
 {
-    const auto low = readNumber(m_low->text());
-    const auto high = readNumber(m_high->text());
-    markWrong(*m_low, !low);
-    markWrong(*m_high, !high || (low && *high <= *low));
-    if (!low || !high || *high <= *low) return;
+    const bool both = m_low->check() & m_high->check();
     // Leaving a field that nobody changed must not pin the range down.
-    if (m_low->text() == numberText(m_range.first) && m_high->text() == numberText(m_range.second)) return;
+    if (!both || (m_low->untouched() && m_high->untouched())) return;
+    const auto low = m_low->number(), high = m_high->number();
+    if (!low || !high) return;
+    if (*high <= *low) return m_high->refuse(tr("The highest value must be above the lowest."));
+    for (NumberField* field : {m_low, m_high}) field->setModified(false);
     m_settings.setRange(std::pair(*low, *high));
 }
 

@@ -11,13 +11,14 @@
 class QCheckBox;
 class QComboBox;
 class QDoubleSpinBox;
-class QLineEdit;
+class QLabel;
 class QPushButton;
 class QSpinBox;
 
 namespace punctum::ui
 {
 
+class NumberField;
 class ViewSettings;
 
 /// How the shown attribute becomes colors, and how large points are: color map, range, size, samples.
@@ -37,12 +38,16 @@ private:
     void takeSettings();
     void takeSize();
     void applyRange();
+    void automaticRange();
+    /// Shows the range that is drawn in fields that nobody types in.
+    void fillRange();
 
     ViewSettings& m_settings;
     QComboBox* m_map = nullptr;
-    QLineEdit* m_low = nullptr;
-    QLineEdit* m_high = nullptr;
+    NumberField* m_low = nullptr;
+    NumberField* m_high = nullptr;
     QPushButton* m_auto = nullptr;
+    QLabel* m_problem = nullptr;  ///< of the range
     QSpinBox* m_bands = nullptr;
     QCheckBox* m_eyeDome = nullptr;
     QDoubleSpinBox* m_size = nullptr;
@@ -51,6 +56,7 @@ private:
     QCheckBox* m_averaged = nullptr;
     QComboBox* m_samples = nullptr;
     std::pair<double, double> m_range{0.0, 0.0};
+    QString m_attribute;  ///< that the range is of
 };
 
 }  // namespace punctum::ui

@@ -2,10 +2,10 @@
 #include "ui/docks/DocumentProperties.h"
 
 #include "ui/Document.h"
+#include "ui/Numbers.h"
 #include "ui/Text.h"
 
 #include <QCoreApplication>
-#include <QLocale>
 
 namespace punctum::ui
 {
@@ -22,7 +22,7 @@ QString tr(const char* text)
 
 QString vectorText(const glm::dvec3& v)
 {
-    const auto text = [](double x) { return QLocale::c().toString(x, 'g', 12); };
+    const auto text = [](double x) { return localNumber(QString::number(x, 'g', 12)); };
     if (v.x == v.y && v.y == v.z) return text(v.x);
     return QStringLiteral("%1\n%2\n%3").arg(text(v.x), text(v.y), text(v.z));
 }

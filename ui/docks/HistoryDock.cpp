@@ -8,15 +8,59 @@
 #include "ui/style/Theme.h"
 
 #include <QListWidget>
+#include <QPainter>
+#include <QStyledItemDelegate>
 
 namespace punctum::ui
 {
+
+namespace
+{
+
+constexpr int kMargin = 10, kGap = 12;  // px
+
+/// The edit's name, and at the right how many points it changed.
+class EditDelegate final : public QStyledItemDelegate
+{
+public:
+    using QStyledItemDelegate::QStyledItemDelegate;
+
+    void paint(QPainter* painter, const QStyleOptionViewItem& option, const QModelIndex& index) const override
+    {
+        QStyleOptionViewItem row = option;
+        initStyleOption(&row, index);
+        const QString name = row.text, count = index.data(HistoryDock::kCountRole).toString();
+        row.text.clear();
+        const QWidget* const widget = option.widget;
+        widget->style()->drawControl(QStyle::CE_ItemViewItem, &row, painter, widget);
+        const QRect inside = option.rect.adjusted(kMargin, 0, -kMargin, 0);
+        const QFontMetrics metrics(row.font);
+        const int width = metrics.horizontalAdvance(count);
+        const bool chosen = row.state & QStyle::State_Selected;
+        painter->save();
+        painter->setFont(row.font);
+        painter->setPen(themeColors().dim);
+        painter->drawText(inside, Qt::AlignRight | Qt::AlignVCenter, count);
+        painter->setPen(row.palette.color(chosen ? QPalette::HighlightedText : QPalette::Text));
+        painter->drawText(inside, Qt::AlignLeft | Qt::AlignVCenter,
+                          metrics.elidedText(name, Qt::ElideRight, inside.width() - width - kGap));
+        painter->restore();
+    }
+    QSize sizeHint(const QStyleOptionViewItem& option, const QModelIndex&) const override
+    {
+        return {120, QFontMetrics(option.font).height() + 9};
+    }
+};
+
+}  // namespace
 
 HistoryDock::HistoryDock(Workspace& workspace, QWidget* parent)
     : QDockWidget(tr("History"), parent), m_workspace(workspace), m_list(new QListWidget)
 {
     setObjectName(QStringLiteral("history"));
     m_list->setFrameShape(QFrame::NoFrame);
+    m_list->setItemDelegate(new EditDelegate(m_list));
+    m_list->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     m_list->setAccessibleName(tr("Edits, oldest first"));
     setWidget(m_list);
     connect(m_list, &QListWidget::itemClicked, this, [this](QListWidgetItem* item) {
@@ -36,13 +80,16 @@ void HistoryDock::setDocument(Document* document)
 
 void HistoryDock::fill()
 {
-    QStringList names;
+    QStringList names, counts;
     QString tip = tr("Click an edit to go back or forward to the state after it");
     std::size_t position = 0;
     if (m_document) {
         const History& history = *m_document->data()->history;
         names << tr("Opened");
         for (const std::string& name : history.names()) names << toQString(name);
+        counts << QString();
+        for (const PointIndex points : history.changedPoints())
+            counts << (points == 0 ? QString() : countText(points));
         position = history.position();
         const History::Kept kept = history.kept();
         if (kept.file > 0)
@@ -62,6 +109,9 @@ void HistoryDock::fill()
     }
     for (int row = 0; row < m_list->count(); ++row) {
         QListWidgetItem& item = *m_list->item(row);
+        item.setData(kCountRole, counts.value(row));
+        item.setToolTip(counts.value(row).isEmpty() ? names.value(row)
+                                                    : tr("%1: %2 points").arg(names.value(row), counts.value(row)));
         item.setForeground(std::size_t(row) > position ? QBrush(themeColors().dim) : QBrush());
         QFont font = item.font();
         font.setBold(std::size_t(row) == position);

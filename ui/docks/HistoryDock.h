@@ -21,6 +21,9 @@ public:
     explicit HistoryDock(Workspace& workspace, QWidget* parent = nullptr);
 
     void setDocument(Document* document);
+    /// What an item tells beside its text: how many points its edit changed.
+    static constexpr int kCountRole = Qt::UserRole;
+
     QListWidget& list() noexcept { return *m_list; }
 
 private:

@@ -62,6 +62,7 @@ public:
         m_title->setText(index.data().toString());
         m_title->setToolTip(index.data().toString());
         m_stage->setText(index.data(JobsModel::StageRole).toString());
+        m_stage->setToolTip(index.data(JobsModel::ErrorRole).toString());
         m_bar->setValue(int(std::lround(fraction * 1000.0)));
         m_bar->setVisible(running);
         m_percent->setText(running ? QStringLiteral("%1 %").arg(int(fraction * 100.0)) : QString());
@@ -100,7 +101,7 @@ JobsDock::JobsDock(Workspace& workspace, QWidget* parent)
             const quint64 id = m_model->index(row).data(JobsModel::IdRole).toULongLong();
             auto* widget = new JobRow(*m_model, id);
             m_rows[id] = widget;
-            m_column->insertWidget(m_column->count() - 1, widget);
+            m_column->insertWidget(row + 1, widget);  // behind the word that nothing runs
         }
         updateRows(first, last);
         updateEmpty();

@@ -11,9 +11,8 @@ namespace punctum::ui
 
 namespace
 {
-constexpr int kTick = 100;         // ms
-constexpr int kEndedStays = 2500;  // ms
-constexpr int kQuietFor = 400;     // ms
+constexpr int kTick = 100;      // ms
+constexpr int kQuietFor = 400;  // ms
 }  // namespace
 
 JobsModel::JobsModel(Workspace& workspace, QObject* parent) : QAbstractListModel(parent), m_workspace(workspace)
@@ -40,9 +39,12 @@ void JobsModel::start(quint64 id, const QString& title, bool quiet)
 
 void JobsModel::list(Entry entry)
 {
-    beginInsertRows({}, rowCount(), rowCount());
+    // above what has failed
+    std::size_t row = m_entries.size();
+    while (row > 0 && m_entries[row - 1].info.state == JobState::Failed) --row;
+    beginInsertRows({}, int(row), int(row));
     entry.listed = true;
-    m_entries.push_back(std::move(entry));
+    m_entries.insert(m_entries.begin() + std::ptrdiff_t(row), std::move(entry));
     endInsertRows();
 }
 
@@ -82,11 +84,11 @@ void JobsModel::tick()
     for (std::size_t row = 0; row < m_entries.size();) {
         Entry& entry = m_entries[row];
         if (entry.info.state != JobState::Running) {
-            if (entry.info.state != JobState::Failed && entry.clock.elapsed() > kEndedStays) {
+            if (entry.clock.elapsed() > (entry.info.state == JobState::Failed ? m_failedStays : m_endedStays)) {
                 removeRow(row);
                 continue;
             }
-            busy = busy || entry.info.state != JobState::Failed;
+            busy = true;
             ++row;
             continue;
         }
@@ -141,7 +143,7 @@ QVariant JobsModel::data(const QModelIndex& index, int role) const
                 case JobState::Cancelled:
                     return tr("Cancelled");
                 case JobState::Failed:
-                    return toQString(entry.info.error);
+                    return tr("Failed");
             }
             return {};
         case StateRole:

@@ -14,7 +14,8 @@ namespace punctum::ui
 
 class Workspace;
 
-/// The jobs that run, and for a moment those that ended; errors stay until closed. GUI thread only.
+/// The jobs that run, and for a while those that ended. Why one failed is told where its work was asked for, so
+/// that here it is a hint. GUI thread only.
 class JobsModel final : public QAbstractListModel
 {
     Q_OBJECT
@@ -23,6 +24,12 @@ public:
 
     explicit JobsModel(Workspace& workspace, QObject* parent = nullptr);
 
+    /// How long what has ended, and what has failed, is listed.
+    void setStay(int endedMs, int failedMs)
+    {
+        m_endedStays = endedMs;
+        m_failedStays = failedMs;
+    }
     /// A finished entry goes, a running job is asked to stop.
     void closeOrCancel(quint64 id);
     const JobInfo& info(int row) const { return m_entries[std::size_t(row)].info; }
@@ -50,8 +57,9 @@ private:
 
     Workspace& m_workspace;
     QTimer m_timer;
-    std::vector<Entry> m_entries;  ///< listed
-    std::vector<Entry> m_waiting;  ///< quiet ones that have not taken long yet
+    int m_endedStays = 2500, m_failedStays = 10000;  ///< ms
+    std::vector<Entry> m_entries;                    ///< listed
+    std::vector<Entry> m_waiting;                    ///< quiet ones that have not taken long yet
 };
 
 }  // namespace punctum::ui

@@ -10,9 +10,11 @@
 #include "ui/docks/AttributesModel.h"
 #include "ui/docks/Swatch.h"
 #include "ui/style/Icons.h"
+#include "ui/style/NumberField.h"
 #include "ui/style/Theme.h"
 #include "ui/style/Widgets.h"
 
+#include <QApplication>
 #include <QCheckBox>
 #include <QComboBox>
 #include <QFormLayout>
@@ -39,6 +41,24 @@ QString targetOfRule(const QString& text)
     } catch (const Error&) {
         return {};
     }
+}
+
+bool isNumber(const StepParameter& parameter)
+{
+    return parameter.type == StepParameter::Type::Integer || parameter.type == StepParameter::Type::Real;
+}
+
+/// Why a step would refuse the number; empty when it would not.
+QString outOfBounds(const StepParameter& parameter, const NumberField& field)
+{
+    const auto number = field.number();
+    if (!number) return {};
+    if (parameter.type == StepParameter::Type::Integer && *number != std::floor(*number))
+        return ProcessingDock::tr("%1: a whole number is wanted here.").arg(toQString(parameter.label));
+    if (parameter.min < parameter.max && (*number < parameter.min || *number > parameter.max))
+        return ProcessingDock::tr("%1: from %2 to %3.")
+            .arg(toQString(parameter.label), numberText(parameter.min), numberText(parameter.max));
+    return {};
 }
 
 }  // namespace
@@ -87,10 +107,10 @@ ProcessingDock::ProcessingDock(Workspace& workspace, QWidget* parent)
 
     connect(m_steps, &QComboBox::currentIndexChanged, this, &ProcessingDock::buildFields);
     connect(m_run, &QPushButton::clicked, this, [this] {
-        if (m_job != 0)
-            m_workspace.cancel(m_job);
-        else
+        if (m_job == 0)
             run();
+        else if (m_running.hasExpired(QApplication::doubleClickInterval()))  // a double click means to run it
+            m_workspace.cancel(m_job);
     });
     connect(&m_workspace, &Workspace::stepEnded, this, &ProcessingDock::ended);
     connect(&m_workspace, &Workspace::documentStateChanged, this, &ProcessingDock::updateState);
@@ -144,6 +164,15 @@ void ProcessingDock::buildFields()
             if (parameter.type == Type::Choice && parameter.optional) box->addItem(tr("none"), QString());
             for (const std::string& choice : parameter.choices) box->addItem(toQString(choice), toQString(choice));
             field.widget = box;
+        } else if (isNumber(parameter)) {
+            auto* edit = new NumberField;
+            edit->setOptional(parameter.optional || !parameter.preset.empty());
+            edit->put(toQString(parameter.preset));
+            if (parameter.optional && parameter.preset.empty()) edit->setPlaceholderText(tr("not used"));
+            field.widget = edit;
+            connect(edit, &QLineEdit::returnPressed, this, &ProcessingDock::run);
+            connect(edit, &QLineEdit::editingFinished, edit, &NumberField::check);
+            connect(edit, &NumberField::problemChanged, m_result, &QLabel::setText);
         } else {
             auto* edit = new QLineEdit(toQString(parameter.preset));
             if (parameter.optional && parameter.preset.empty()) edit->setPlaceholderText(tr("not used"));
@@ -184,11 +213,13 @@ void ProcessingDock::fillAttributes()
         box->clear();
         if (!m_document) continue;
         for (const Attribute& attribute : m_document->attributes())
-            if (attribute.components == 1 && attribute.kind != AttributeKind::Opaque)
+            if (attribute.components == 1 && attribute.kind != AttributeKind::Opaque &&
+                !(field.parameter.ownOnly && attribute.standard))
                 box->addItem(lineIcon(iconNameOf(attribute.kind)), toQString(attribute.name));
         const int row = box->findText(chosen);
         const int z = box->findText(QStringLiteral("Z"));
         box->setCurrentIndex(row >= 0 ? row : std::max(z, 0));
+        box->setPlaceholderText(field.parameter.ownOnly ? tr("none beside the standard's") : QString());
     }
 }
 
@@ -224,8 +255,27 @@ QString ProcessingDock::valueOf(const Field& field) const
         case StepParameter::Type::Real:
             break;
     }
-    QString text = static_cast<QLineEdit*>(field.widget)->text().trimmed();
-    return text.remove(QLatin1Char(','));  // separators, as the window itself writes them
+    return static_cast<NumberField*>(field.widget)->plain();
+}
+
+bool ProcessingDock::checkFields()
+{
+    QString problem;
+    for (const Field& field : m_fields) {
+        QString why;
+        if (auto* number = qobject_cast<NumberField*>(field.widget)) {
+            number->check();
+            why = number->problem();
+            if (why.isEmpty()) why = outOfBounds(field.parameter, *number);
+        } else if (valueOf(field).isEmpty() && !field.parameter.optional && field.parameter.preset.empty()) {
+            why = tr("Fill in the marked fields.");
+        }
+        markWrong(*field.widget, why);
+        if (problem.isEmpty()) problem = why;
+    }
+    if (problem.isEmpty()) return true;
+    m_result->setText(problem);
+    return false;
 }
 
 bool ProcessingDock::setValue(const QString& key, const QString& text)
@@ -237,6 +287,8 @@ bool ProcessingDock::setValue(const QString& key, const QString& text)
                                                                                    : box->findText(text);
             if (row < 0) return false;
             box->setCurrentIndex(row);
+        } else if (auto* number = qobject_cast<NumberField*>(field.widget)) {
+            number->put(text);
         } else {
             static_cast<QLineEdit*>(field.widget)->setText(text);
         }
@@ -249,26 +301,16 @@ void ProcessingDock::run()
 {
     const Step* chosen = step();
     if (!chosen || !m_document || m_document->loading() || m_job != 0) return;
+    if (!checkFields()) return;
     StepValues values;
-    bool missing = false;
-    for (const Field& field : m_fields) {
-        const QString text = valueOf(field);
-        const bool wrong = text.isEmpty() && !field.parameter.optional && field.parameter.preset.empty();
-        field.widget->setProperty("wrong", wrong);
-        field.widget->style()->unpolish(field.widget);
-        field.widget->style()->polish(field.widget);
-        missing = missing || wrong;
-        if (!text.isEmpty()) values[field.parameter.key] = text.toStdString();
-    }
-    if (missing) {
-        m_result->setText(tr("Fill in the marked fields."));
-        return;
-    }
+    for (const Field& field : m_fields)
+        if (const QString text = valueOf(field); !text.isEmpty()) values[field.parameter.key] = text.toStdString();
     m_result->clear();
     m_runningStep = toQString(chosen->name());
     m_target = QStringLiteral("Classification");
     for (const Field& field : m_fields)
         if (field.parameter.type == StepParameter::Type::Rule) m_target = targetOfRule(valueOf(field));
+    m_running.start();
     m_job = m_workspace.run(*m_document, *chosen, values);
     updateState();
 }

@@ -5,6 +5,7 @@
 #include "core/task/Jobs.h"
 
 #include <QDockWidget>
+#include <QElapsedTimer>
 #include <QPointer>
 
 #include <vector>
@@ -57,6 +58,8 @@ private:
     void fillAttributes();
     void fillClasses();
     QString valueOf(const Field& field) const;
+    /// Marks fields whose values cannot be used, and says why; false when there are some.
+    bool checkFields();
     void updateState();
     void ended(quint64 job, const QString& title, quint64 changed, const QStringList& newAttributes,
                const JobInfo& info);
@@ -72,6 +75,7 @@ private:
     QLabel* m_result = nullptr;
     std::vector<Field> m_fields;
     JobId m_job = 0;
+    QElapsedTimer m_running;  ///< since it began
     QString m_runningStep;
     QString m_target;  ///< attribute that it sets
 };

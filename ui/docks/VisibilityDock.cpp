@@ -3,10 +3,12 @@
 
 #include "render/raster/Backend.h"
 #include "ui/Document.h"
+#include "ui/Numbers.h"
 #include "ui/Text.h"
 #include "ui/ViewFilter.h"
 #include "ui/ViewSettings.h"
 #include "ui/Viewport.h"
+#include "ui/style/NumberField.h"
 #include "ui/style/Widgets.h"
 
 #include <QCheckBox>
@@ -17,7 +19,6 @@
 #include <QLineEdit>
 #include <QPushButton>
 #include <QSignalBlocker>
-#include <QStyle>
 #include <QVBoxLayout>
 
 #include <glm/common.hpp>
@@ -44,6 +45,7 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
       m_condition(new QLineEdit),
       m_state(dimLabel({})),
       m_useBox(new QCheckBox(tr("Show only what lies in the box"))),
+      m_boxProblem(dimLabel({})),
       m_boxOfView(new QPushButton(tr("Box of the View"))),
       m_boxOfFile(new QPushButton(tr("Box of the File"))),
       m_cut(new QPushButton(tr("Cut Here"))),
@@ -69,16 +71,25 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
         fields->addWidget(dimLabel(QString(QChar(u'X' + axis))), axis, 0);
         for (int side = 0; side < 2; ++side) {
             auto*& field = m_fields[std::size_t(axis + 3 * side)];
-            field = new QLineEdit;
+            field = new NumberField;
             field->setMinimumWidth(60);
             field->setAccessibleName((side == 0 ? tr("Least %1") : tr("Most %1")).arg(QChar(u'X' + axis)));
             field->setToolTip(
                 tr("Up and Down move the face by a hundredth of the box; in the view, drag its handle"));
             field->installEventFilter(this);
             connect(field, &QLineEdit::editingFinished, this, &VisibilityDock::applyBox);
+            connect(field, &NumberField::problemChanged, this, [this] {
+                QString problem;
+                for (const NumberField* each : m_fields)
+                    if (each && problem.isEmpty()) problem = each->problem();
+                m_boxProblem->setText(problem);
+                m_boxProblem->setVisible(!problem.isEmpty());
+            });
             fields->addWidget(field, axis, 1 + side);
         }
     }
+    m_boxProblem->setWordWrap(true);
+    m_boxProblem->hide();
     connect(m_useBox, &QCheckBox::toggled, this, [this](bool on) {
         if (on && m_document && m_fields[0]->text().isEmpty()) fillBox(m_document->bounds());
         applyBox();
@@ -124,6 +135,7 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
     column->addWidget(heading(tr("Box")));
     column->addWidget(m_useBox);
     column->addLayout(fields);
+    column->addWidget(m_boxProblem);
     column->addLayout(pair(m_boxOfView, m_boxOfFile));
     column->addSpacing(kPartSpacing);
     column->addWidget(heading(tr("Cuts")));
@@ -137,6 +149,8 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
 
 void VisibilityDock::setDocument(Document* document)
 {
+    if (document != m_document && !m_settings.display().clip.box)
+        for (NumberField* field : m_fields) field->put({});  // the numbers of another file
     m_document = document;
     widget()->setEnabled(document != nullptr);
     takeFilter();
@@ -153,11 +167,7 @@ void VisibilityDock::takeFilter()
         : !hidden                                ? tr("Looking for the points...")
                   : tr("%1 of %2 points are hidden.").arg(countText(*hidden), countText(m_document->points())));
     m_state->setVisible(!m_state->text().isEmpty());
-    if (m_condition->property("wrong").toBool() != !error.isEmpty()) {
-        m_condition->setProperty("wrong", !error.isEmpty());
-        m_condition->style()->unpolish(m_condition);
-        m_condition->style()->polish(m_condition);
-    }
+    markWrong(*m_condition, error);
 }
 
 void VisibilityDock::takeClip()
@@ -170,38 +180,48 @@ void VisibilityDock::takeClip()
     m_uncut->setEnabled(!clip.planes.empty());
 }
 
-QString VisibilityDock::faceText(const WorldBounds& box, std::size_t field) const
+void VisibilityDock::putFace(const WorldBounds& box, std::size_t field)
 {
-    const Attribute* const x = m_document ? m_document->findAttribute(QStringLiteral("X")) : nullptr;
-    const int axis = int(field % 3);
-    const bool degrees = x && x->unit == "deg" && axis < 2;
-    return QString::number((field < 3 ? box.min : box.max)[axis], 'f', degrees ? 7 : 3);
+    const std::size_t axis = field % 3;
+    const double value = (field < 3 ? box.min : box.max)[int(axis)];
+    const double scale = m_document ? m_document->cloud()->coordinates().scale[int(axis)] : 0.0;
+    m_fields[field]->put(value, plainCoordinate(value, scale));
 }
 
 void VisibilityDock::fillBox(const WorldBounds& box)
 {
     if (box.empty()) return;
-    for (std::size_t field = 0; field < m_fields.size(); ++field) {
-        const QString text = faceText(box, field);
-        if (!m_fields[field]->hasFocus() && m_fields[field]->text() != text) m_fields[field]->setText(text);
+    for (std::size_t field = 0; field < m_fields.size(); ++field) putFace(box, field);
+}
+
+std::optional<WorldBounds> VisibilityDock::typedBox()
+{
+    bool fine = true;
+    for (NumberField* field : m_fields) fine = field->check() && fine;
+    if (!fine) return std::nullopt;
+    WorldBounds box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.min[int(axis)] = *m_fields[axis]->number();
+        box.max[int(axis)] = *m_fields[axis + 3]->number();
+        if (box.min[int(axis)] <= box.max[int(axis)]) continue;
+        m_fields[axis + 3]->refuse(tr("The most must not be below the least."));
+        fine = false;
     }
+    return fine ? std::optional(box) : std::nullopt;
 }
 
 void VisibilityDock::applyBox()
 {
     Clip clip = m_settings.display().clip;
-    WorldBounds box;
-    bool fine = true;
-    for (int axis = 0; axis < 3; ++axis) {
-        bool low = false, high = false;
-        box.min[axis] = m_fields[std::size_t(axis)]->text().toDouble(&low);
-        box.max[axis] = m_fields[std::size_t(axis) + 3]->text().toDouble(&high);
-        fine = fine && low && high && box.min[axis] <= box.max[axis];
-    }
-    if (!m_useBox->isChecked())
+    if (!m_useBox->isChecked()) {
         clip.box.reset();
-    else if (fine)
-        clip.box = box;
+    } else if (const auto box = typedBox()) {
+        clip.box = *box;
+        for (NumberField* field : m_fields) field->setModified(false);
+    } else if (!clip.box) {
+        const QSignalBlocker quiet(m_useBox);
+        m_useBox->setChecked(false);  // no box is in force
+    }
     m_settings.setClip(clip);
 }
 
@@ -221,7 +241,7 @@ void VisibilityDock::nudge(std::size_t field, bool up)
     else
         box.max[axis] = std::max(box.max[axis] + step, box.min[axis]);
     m_settings.setClip(clip);
-    m_fields[field]->setText(faceText(box, field));
+    putFace(box, field);
 }
 
 bool VisibilityDock::eventFilter(QObject* watched, QEvent* event)

@@ -17,6 +17,7 @@ namespace punctum::ui
 {
 
 class Document;
+class NumberField;
 class ViewFilter;
 class ViewSettings;
 class Viewport;
@@ -40,7 +41,9 @@ private:
     /// Moves the face of a field along its axis by a hundredth of the box.
     void nudge(std::size_t field, bool up);
     void fillBox(const WorldBounds& box);
-    QString faceText(const WorldBounds& box, std::size_t field) const;
+    void putFace(const WorldBounds& box, std::size_t field);
+    /// What the fields say; nothing where they say no box, and are marked then.
+    std::optional<WorldBounds> typedBox();
     std::optional<WorldBounds> boxOfView() const;
     void cutHere();
 
@@ -51,7 +54,8 @@ private:
     QLineEdit* m_condition = nullptr;
     QLabel* m_state = nullptr;
     QCheckBox* m_useBox = nullptr;
-    std::array<QLineEdit*, 6> m_fields{};  ///< x, y, z: least; then most
+    std::array<NumberField*, 6> m_fields{};  ///< x, y, z: least; then most
+    QLabel* m_boxProblem = nullptr;
     QPushButton* m_boxOfView = nullptr;
     QPushButton* m_boxOfFile = nullptr;
     QPushButton* m_cut = nullptr;

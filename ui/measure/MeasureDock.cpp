@@ -15,6 +15,7 @@
 #include <QFileDialog>
 #include <QHBoxLayout>
 #include <QHeaderView>
+#include <QKeyEvent>
 #include <QLabel>
 #include <QMenu>
 #include <QPushButton>
@@ -54,16 +55,13 @@ MeasureDock::MeasureDock(Measurements& measurements, QWidget* parent)
     m_hint->setWordWrap(true);
     m_copy->setToolTip(tr("Copy the chosen measurement as text, or all of them when none is chosen"));
     m_export->setToolTip(tr("Write all measurements to a file for spreadsheets"));
-    m_remove->setToolTip(tr("Remove the chosen measurement, or all of them when none is chosen"));
+    m_remove->setToolTip(tr("Remove the chosen measurement (Delete); the menu Measure removes all"));
 
     connect(m_copy, &QPushButton::clicked, this,
             [this] { QApplication::clipboard()->setText(m_measurements.text(chosen())); });
-    connect(m_remove, &QPushButton::clicked, this, [this] {
-        if (const quint64 id = chosen(); id != 0)
-            m_measurements.remove(id);
-        else
-            m_measurements.clear();
-    });
+    connect(m_remove, &QPushButton::clicked, this, [this] { m_measurements.remove(chosen()); });
+    connect(m_list, &QTreeWidget::currentItemChanged, this, [this] { m_remove->setEnabled(chosen() != 0); });
+    m_list->installEventFilter(this);
     connect(m_export, &QPushButton::clicked, this, &MeasureDock::exportWanted);
     connect(&m_measurements, &Measurements::changed, this, &MeasureDock::fill);
     connect(&m_measurements, &Measurements::added, this, [this](quint64 id) {
@@ -101,6 +99,14 @@ quint64 MeasureDock::chosen() const
     return item == nullptr ? 0 : item->data(0, kIdRole).toULongLong();
 }
 
+bool MeasureDock::eventFilter(QObject* watched, QEvent* event)
+{
+    if (watched != m_list || event->type() != QEvent::KeyPress) return QDockWidget::eventFilter(watched, event);
+    if (static_cast<QKeyEvent*>(event)->key() != Qt::Key_Delete) return false;
+    m_measurements.remove(chosen());
+    return true;
+}
+
 void MeasureDock::fill()
 {
     const quint64 before = chosen();
@@ -134,7 +140,8 @@ void MeasureDock::fill()
     }
     const bool some = number != 0;
     m_hint->setVisible(!some);
-    for (QPushButton* button : {m_copy, m_export, m_remove}) button->setEnabled(some);
+    for (QPushButton* button : {m_copy, m_export}) button->setEnabled(some);
+    m_remove->setEnabled(chosen() != 0);
 }
 
 void addMeasureMenu(MainWindow& window, MeasureTools& tools, Measurements& measurements, MeasureDock& dock)

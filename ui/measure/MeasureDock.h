@@ -27,6 +27,8 @@ public:
     QPushButton& exportButton() noexcept { return *m_export; }
     QPushButton& removeButton() noexcept { return *m_remove; }
 
+    bool eventFilter(QObject* watched, QEvent* event) override;
+
 signals:
     /// A place to write to is to be chosen.
     void exportWanted();

@@ -5,6 +5,7 @@
 #include "core/task/Jobs.h"
 #include "core/task/Progress.h"
 #include "ui/Document.h"
+#include "ui/Numbers.h"
 #include "ui/Text.h"
 #include "ui/Workspace.h"
 
@@ -32,7 +33,8 @@ struct PointDetails {
 QString attributeText(const Attribute& attribute, PointIndex index)
 {
     QStringList parts;
-    for (std::uint32_t c = 0; c < attribute.components; ++c) parts << toQString(toText(attribute.value(index, c)));
+    for (std::uint32_t c = 0; c < attribute.components; ++c)
+        parts << localNumber(toQString(toText(attribute.value(index, c))));
     QString text = parts.join(QLatin1String(", "));
     if (attribute.kind == AttributeKind::Class)
         text = classText(unsigned(std::clamp(attribute.number(index), 0.0, 255.0)));
@@ -55,7 +57,8 @@ std::vector<std::pair<QString, QString>> attributesOf(const PointCloud& cloud, P
 QString quantityText(const Quantity& quantity, const std::string& length)
 {
     const QString unit = toQString(unitText(quantity.unit, length));
-    const QString number = QString::number(quantity.value, 'f', quantity.unit == Quantity::Unit::Degrees ? 2 : 3);
+    const QString number =
+        localNumber(QString::number(quantity.value, 'f', quantity.unit == Quantity::Unit::Degrees ? 2 : 3));
     if (unit.isEmpty()) return number;
     return unit == QStringLiteral("°") ? number + unit : number + QLatin1Char(' ') + unit;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/section/SectionOverlays.h"
 
+#include "ui/Numbers.h"
 #include "ui/Overlays.h"
 #include "ui/Viewport.h"
 
@@ -37,7 +38,7 @@ double stepFrom(double least)
 QString numberOf(double value, double step, const QString& unit)
 {
     const int decimals = std::clamp(int(std::ceil(-std::log10(step) - 1e-9)), 0, 9);
-    const QString number = QString::number(std::abs(value) < step / 2 ? 0.0 : value, 'f', decimals);
+    const QString number = localNumber(QString::number(std::abs(value) < step / 2 ? 0.0 : value, 'f', decimals));
     return unit.isEmpty() ? number : number + QLatin1Char(' ') + unit;
 }
 

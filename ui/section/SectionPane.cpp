@@ -3,6 +3,7 @@
 
 #include "ui/Viewport.h"
 #include "ui/style/Icons.h"
+#include "ui/style/NumberField.h"
 #include "ui/style/Widgets.h"
 
 #include <QDoubleSpinBox>
@@ -31,8 +32,8 @@ SectionPane::SectionPane(ViewRenderer& renderer, ViewSettings& settings, bool op
       m_row(new QBoxLayout(QBoxLayout::LeftToRight)),
       m_fields(new QHBoxLayout),
       m_buttons(new QHBoxLayout),
-      m_width(new QDoubleSpinBox),
-      m_exaggeration(new QDoubleSpinBox),
+      m_width(new NumberSpin),
+      m_exaggeration(new NumberSpin),
       m_viewport(new Viewport(renderer, settings, openGl))
 {
     m_viewport->setFlat();

@@ -5,6 +5,7 @@
 #include "ui/ClipFrame.h"
 #include "ui/MainMenu.h"
 #include "ui/MainWindow.h"
+#include "ui/Numbers.h"
 #include "ui/Overlays.h"
 #include "ui/Text.h"
 #include "ui/ViewFilter.h"
@@ -47,7 +48,7 @@ constexpr double kLeastHeight = 1e-3;  // of the line's length: flat sections ha
 /// Lengths as one reads them: four digits, from 1000 on all before the point.
 QString lengthText(double length, const QString& unit)
 {
-    const QString number = QString::number(length, 'g', length < 1000.0 ? 4 : 7);
+    const QString number = localNumber(QString::number(length, 'g', length < 1000.0 ? 4 : 7));
     return unit.isEmpty() ? number : number + QLatin1Char(' ') + unit;
 }
 

@@ -9,8 +9,10 @@
 #include "ui/Text.h"
 #include "ui/Workspace.h"
 #include "ui/docks/Swatch.h"
+#include "ui/select/RuleField.h"
 #include "ui/select/RulePreview.h"
 #include "ui/select/Selection.h"
+#include "ui/style/NumberField.h"
 #include "ui/style/Theme.h"
 #include "ui/style/Widgets.h"
 
@@ -19,7 +21,6 @@
 #include <QDoubleSpinBox>
 #include <QGridLayout>
 #include <QLabel>
-#include <QLineEdit>
 #include <QPushButton>
 #include <QShortcut>
 #include <QVBoxLayout>
@@ -68,6 +69,7 @@ EditDock::EditDock(Workspace& workspace, Selection& selection, ViewRenderer& ren
     connect(m_endPreview, &QPushButton::clicked, m_preview, &RulePreview::end);
     connect(m_escape, &QShortcut::activated, m_preview, &RulePreview::end);
     connect(m_preview, &RulePreview::told, this, &EditDock::say);
+    connect(m_preview, &RulePreview::failed, this, &EditDock::sayWrong);
     connect(m_preview, &RulePreview::toggled, this, &EditDock::followPreview);
     // what a view shows that nobody can tell from the truth must not outlive the panel that says so
     connect(this, &QDockWidget::visibilityChanged, m_preview, [this](bool visible) {
@@ -124,13 +126,12 @@ QWidget* EditDock::makeRulePart()
     auto* column = new QVBoxLayout(part);
     column->setContentsMargins(0, 0, 0, 0);
     column->setSpacing(8);
-    m_rule = new QLineEdit;
+    m_rule = new RuleField;
     m_rule->setPlaceholderText(QStringLiteral("Classification = 2 if Z < 12.5"));
     m_rule->setAccessibleName(tr("Rule or condition"));
-    m_rule->setToolTip(
-        tr("Attribute = value if condition, or a condition alone to select by; the user guide tells the "
-           "language"));
-    m_rule->setClearButtonEnabled(true);
+    m_rule->setToolTip(tr(
+        "Attribute = value if condition, or a condition alone to select by. Numbers are written with a point here, "
+        "whatever the language. The user guide tells more."));
     m_selectedOnly = new QCheckBox(tr("Selected points only"));
     m_select = new QPushButton(tr("Select"));
     m_previewRule = new QPushButton(tr("Preview"));
@@ -149,8 +150,8 @@ QWidget* EditDock::makeRulePart()
     connect(m_select, &QPushButton::clicked, this, &EditDock::selectByRule);
     connect(m_previewRule, &QPushButton::clicked, this, &EditDock::previewRule);
     connect(m_apply, &QPushButton::clicked, this, &EditDock::applyRule);
-    connect(m_rule, &QLineEdit::returnPressed, this, &EditDock::previewRule);
-    connect(m_rule, &QLineEdit::textChanged, m_preview, &RulePreview::end);
+    connect(m_rule, &RuleField::returnPressed, this, &EditDock::previewRule);
+    connect(m_rule, &RuleField::textChanged, m_preview, &RulePreview::end);
     connect(m_selectedOnly, &QCheckBox::toggled, m_preview, &RulePreview::end);
     return part;
 }
@@ -161,7 +162,7 @@ QWidget* EditDock::makeNeighborPart()
     auto* grid = new QGridLayout(part);
     grid->setContentsMargins(0, 0, 0, 0);
     grid->setSpacing(6);
-    m_distance = new QDoubleSpinBox;
+    m_distance = new NumberSpin;
     m_distance->setRange(0.001, 1e6);
     m_distance->setDecimals(3);
     m_distance->setValue(1.0);
@@ -225,6 +226,15 @@ void EditDock::say(const QString& text)
     m_result->setText(text);
 }
 
+void EditDock::sayWrong(const QString& sentence)
+{
+    const QString text = m_rule->text();
+    int blanks = 0;  // the language is told of what stands behind them
+    while (blanks < text.size() && text[blanks].isSpace()) ++blanks;
+    m_rule->markProblem(sentence, blanks);
+    say(sentence);
+}
+
 void EditDock::setClass(unsigned to, std::optional<unsigned> from)
 {
     if (const auto points = selected()) runRule(classRule(to, from), points, tr("Set class %1").arg(classText(to)));
@@ -281,14 +291,15 @@ std::optional<expression::Rule> EditDock::parsed(const QString& rule)
     try {
         return expression::Rule(rule.trimmed().toStdString());
     } catch (const Error& e) {
-        say(toQString(std::string(e.what())));
+        sayWrong(toQString(std::string(e.what())));
         return std::nullopt;
     }
 }
 
 void EditDock::applyRule()
 {
-    runRule(m_rule->text(), ruleScope(), tr("Set by rule"));
+    if (const auto rule = parsed(m_rule->text()))
+        run(Recipe{"set", {{"rule", rule->text()}}, ruleScope()}, tr("Set by rule"), true);
     if (m_job != 0) emit begun();
 }
 
@@ -297,20 +308,22 @@ void EditDock::runRule(const QString& text, std::shared_ptr<const PointSet> with
     if (const auto rule = parsed(text)) run(Recipe{"set", {{"rule", rule->text()}}, std::move(within)}, title);
 }
 
-void EditDock::run(const Recipe& recipe, const QString& title)
+void EditDock::run(const Recipe& recipe, const QString& title, bool typed)
 {
     if (!ready()) return;
-    m_job = m_workspace.edit(
-        *m_document, title, recipe, [this, title](const JobInfo& info, const Workspace::EditOutcome& outcome) {
-            m_job = 0;
-            m_preview->end();
-            takeState();
-            if (info.state == JobState::Failed) say(toQString(info.error));
-            if (info.state == JobState::Cancelled) say(tr("Cancelled, nothing changed."));
-            if (info.state == JobState::Finished)
-                say(outcome.changed == 0 ? tr("%1: no point had to change.").arg(title)
-                                         : tr("%1: %2 changed.").arg(title, pointsText(outcome.changed)));
-        });
+    m_job = m_workspace.edit(*m_document, title, recipe,
+                             [this, title, typed](const JobInfo& info, const Workspace::EditOutcome& outcome) {
+                                 m_job = 0;
+                                 m_preview->end();
+                                 takeState();
+                                 if (info.state == JobState::Failed)
+                                     typed ? sayWrong(toQString(info.error)) : say(toQString(info.error));
+                                 if (info.state == JobState::Cancelled) say(tr("Cancelled, nothing changed."));
+                                 if (info.state == JobState::Finished)
+                                     say(outcome.changed == 0
+                                             ? tr("%1: no point had to change.").arg(title)
+                                             : tr("%1: %2 changed.").arg(title, pointsText(outcome.changed)));
+                             });
     takeState();
 }
 
@@ -359,7 +372,7 @@ void EditDock::selectByRule()
         m_selection.selectByRule(text);
         say({});
     } catch (const Error& e) {
-        say(toQString(std::string(e.what())));
+        sayWrong(toQString(std::string(e.what())));
     }
 }
 

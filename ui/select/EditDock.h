@@ -16,7 +16,6 @@ class QCheckBox;
 class QComboBox;
 class QDoubleSpinBox;
 class QLabel;
-class QLineEdit;
 class QPushButton;
 class QShortcut;
 
@@ -24,6 +23,7 @@ namespace punctum::ui
 {
 
 class Document;
+class RuleField;
 class RulePreview;
 class Selection;
 class ViewRenderer;
@@ -48,7 +48,7 @@ public:
     void deleteSelected();
     /// Takes back all that was deleted of the document, saved or not.
     void restoreDeleted();
-    QLineEdit& rule() noexcept { return *m_rule; }
+    RuleField& rule() noexcept { return *m_rule; }
     QCheckBox& selectedOnly() noexcept { return *m_selectedOnly; }
     QPushButton& previewButton() noexcept { return *m_previewRule; }
     QPushButton& endPreviewButton() noexcept { return *m_endPreview; }
@@ -80,14 +80,16 @@ private:
     void followPreview(bool on);
     void selectByRule();
     void say(const QString& text);
+    /// Says what is wrong with the text of the rule field, and marks the place.
+    void sayWrong(const QString& sentence);
     void takeState();
     /// The points that a rule may change, as the box says; null: all.
     std::shared_ptr<const PointSet> ruleScope() const;
     /// Says what is wrong with it, and gives nothing then.
     std::optional<expression::Rule> parsed(const QString& rule);
     void runRule(const QString& rule, std::shared_ptr<const PointSet> within, const QString& title);
-    /// Does what the recipe says, and tells the result.
-    void run(const Recipe& recipe, const QString& title);
+    /// Does what the recipe says, and tells the result. `typed`: it is what stands in the rule field.
+    void run(const Recipe& recipe, const QString& title, bool typed = false);
     /// Whether the document is there, and nothing else is being done.
     bool ready() const;
     /// The selected points; says so where there are none.
@@ -100,7 +102,7 @@ private:
     QComboBox* m_to;
     QPushButton* m_previewClass;
     QPushButton* m_setClass;
-    QLineEdit* m_rule;
+    RuleField* m_rule;
     QCheckBox* m_selectedOnly;
     QPushButton* m_select;
     QPushButton* m_previewRule;

@@ -89,7 +89,7 @@ void RulePreview::begin(const Document& document, const expression::Rule& rule,
             m_job = 0;
             if (info.state == JobState::Finished && found->preview) return show(*found);
             end();
-            if (info.state == JobState::Failed) emit told(toQString(info.error));
+            if (info.state == JobState::Failed) emit failed(toQString(info.error));
             if (info.state == JobState::Finished) emit told(tr("No point would change."));
         },
         true);

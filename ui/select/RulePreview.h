@@ -46,6 +46,8 @@ public:
 signals:
     /// What would change, or why nothing can be shown.
     void told(const QString& sentence);
+    /// What is wrong with the rule.
+    void failed(const QString& sentence);
     void toggled(bool on);
 
 private:

@@ -8,6 +8,7 @@
 #include "ui/select/EditDock.h"
 #include "ui/select/Selection.h"
 #include "ui/style/Icons.h"
+#include "ui/style/NumberField.h"
 #include "ui/style/Widgets.h"
 
 #include <QActionGroup>
@@ -34,7 +35,7 @@ SelectBar::SelectBar(MainWindow& window, Selection& selection, SelectTools& tool
       m_toolActions(new QActionGroup(this)),
       m_mode(new QComboBox),
       m_depth(new QComboBox),
-      m_slab(new QDoubleSpinBox),
+      m_slab(new NumberSpin),
       m_count(new QLabel)
 {
     m_bar->setObjectName(QStringLiteral("select"));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/select/Selection.h"
 
+#include "core/edit/History.h"
 #include "core/expression/Condition.h"
 #include "core/process/KdOrder.h"
 #include "core/task/Progress.h"
@@ -17,17 +18,13 @@
 namespace punctum::ui
 {
 
-namespace
-{
-
-}  // namespace
-
 Selection::Selection(Workspace& workspace, ViewRenderer& renderer, const ViewSettings& settings,
                      const ViewFilter& filter, QObject* parent)
     : QObject(parent), m_workspace(workspace), m_renderer(renderer), m_settings(settings), m_filter(filter)
 {
     connect(&m_workspace, &Workspace::documentRemoved, this, [this](Document* document) {
         m_states.erase(document);
+        m_steps.erase(document);
         emit changed();
     });
     connect(&m_workspace, &Workspace::cloudChanged, this,
@@ -210,6 +207,7 @@ void Selection::dropDeleted()
 {
     Task task;
     task.title = tr("Select");
+    task.kind = Kind::Follow;
     task.work = [](const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view, Progress&) {
         PointSet all = before ? *before : PointSet(view.cloud->size());
         if (const auto deleted = deletedPoints(*view.cloud)) all.remove(*deleted);
@@ -224,6 +222,7 @@ void Selection::clear()
     if (!document || !points(document)) return;
     m_tasks.clear();
     ++m_generation;
+    noteStep(*document, Kind::New, tr("Clear the selection"), state(document));
     publish(*document, {});
 }
 
@@ -333,7 +332,11 @@ void Selection::startNext()
 
 void Selection::run(Task task)
 {
-    const auto result = std::make_shared<State>();
+    struct Result : State {
+        bool same = false;  ///< as the selection of before
+    };
+    const auto result = std::make_shared<Result>();
+    m_running = task.kind;
     const std::uint64_t generation = m_generation;
     if (!std::exchange(task.base->known, true)) task.base->state = state(task.document);
     m_job = m_workspace.startJob(
@@ -344,11 +347,16 @@ void Selection::run(Task task)
             result->count = points->count();
             result->hidden = countWithout(*points, *view->visible);
             if (result->count != 0) result->points = points;
+            result->same = before ? *before == *points : result->count == 0;
         },
-        [this, result, generation, target = task.document](const JobInfo& info) {
+        [this, result, generation, target = task.document, kind = task.kind, live = task.live, title = task.title,
+         base = task.base](const JobInfo& info) {
             m_job = 0;
             if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
-            if (info.state == JobState::Finished && target && generation == m_generation) publish(*target, *result);
+            if (info.state == JobState::Finished && target && generation == m_generation) {
+                if (!live && (kind != Kind::New || !result->same)) noteStep(*target, kind, title, base->state);
+                publish(*target, *result);
+            }
             emit changed();
             startNext();
         },
@@ -363,6 +371,81 @@ void Selection::publish(Document& document, State state)
     else
         m_states.erase(&document);
     emit changed();
+}
+
+// -- steps
+
+std::size_t Selection::asked(Kind kind) const
+{
+    const auto waiting =
+        std::count_if(m_tasks.begin(), m_tasks.end(), [kind](const Task& task) { return task.kind == kind; });
+    return std::size_t(waiting) + (m_job != 0 && m_running == kind ? 1 : 0);
+}
+
+const SelectionSteps::Step* Selection::nextUndo() const
+{
+    const auto found = m_steps.find(m_workspace.active());
+    return found == m_steps.end() ? nullptr : found->second.undo(asked(Kind::Undo));
+}
+
+const SelectionSteps::Step* Selection::nextRedo() const
+{
+    const auto found = m_steps.find(m_workspace.active());
+    return found == m_steps.end() ? nullptr : found->second.redo(asked(Kind::Redo));
+}
+
+void Selection::askStep(Kind kind)
+{
+    const SelectionSteps::Step* const step = kind == Kind::Undo ? nextUndo() : nextRedo();
+    if (!step) return;
+    Task task;
+    task.title = step->name;
+    task.kind = kind;
+    task.work = [kept = *step->kept](const std::shared_ptr<const PointSet>&, const ViewSnapshot& view, Progress&) {
+        const auto points = kept.points();
+        PointSet all = points ? *points : PointSet(view.cloud->size());
+        if (const auto deleted = deletedPoints(*view.cloud)) all.remove(*deleted);
+        return all;
+    };
+    ask(std::move(task));
+}
+
+std::shared_ptr<KeptSelection> Selection::keep(const Document& document, std::shared_ptr<const PointSet> points)
+{
+    auto kept = std::make_shared<KeptSelection>();
+    kept->plain = std::move(points);
+    if (!kept->plain) return kept;
+    const auto packed = std::make_shared<std::shared_ptr<const PackedSet>>();
+    m_workspace.startJob(
+        tr("Select"),
+        [points = kept->plain, packed](Progress&) {
+            auto small = std::make_shared<const PackedSet>(*points);
+            if (small->bytes() < points->words().size_bytes()) *packed = std::move(small);
+        },
+        [this, kept, packed, &document](const JobInfo&) {
+            if (*packed) {
+                kept->packed = *packed;
+                kept->plain = nullptr;
+            }
+            if (const auto found = m_steps.find(&document); found != m_steps.end()) found->second.limit();
+        },
+        true);
+    return kept;
+}
+
+void Selection::noteStep(Document& document, Kind kind, const QString& title, const State& before)
+{
+    SelectionSteps& steps = m_steps[&document];
+    switch (kind) {
+        case Kind::New:
+            return steps.push({title, document.data()->history->position(), keep(document, before.points)});
+        case Kind::Undo:
+            return steps.moveBack(keep(document, before.points));
+        case Kind::Redo:
+            return steps.moveOn(keep(document, before.points));
+        case Kind::Follow:
+            return;
+    }
 }
 
 }  // namespace punctum::ui

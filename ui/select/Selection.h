@@ -4,6 +4,7 @@
 #include "core/cloud/Visibility.h"
 #include "core/select/Selecting.h"
 #include "core/task/Jobs.h"
+#include "ui/select/SelectionSteps.h"
 
 #include <QObject>
 #include <QPointer>
@@ -26,6 +27,8 @@ class Workspace;
 struct ViewSnapshot;
 
 /// Which points of each open document are selected, and how tools change that. Tools work on the active document.
+///
+/// Each selection that is finished is a step that can be undone; UndoOrder puts these in order with the edits.
 ///
 /// GUI thread only; every call returns at once, the work is done by jobs, one after the other. While a tool is
 /// drawing, only the newest shape counts. Points that the view hides (by class, filter or
@@ -85,6 +88,13 @@ public:
     void shrink(double distance);
     void connectNeighbors(double distance);
 
+    // -- steps back and on, of the active document
+    /// What undo() would take back; null: nothing. Those that are being undone count as undone.
+    const SelectionSteps::Step* nextUndo() const;
+    const SelectionSteps::Step* nextRedo() const;
+    void undo() { askStep(Kind::Undo); }
+    void redo() { askStep(Kind::Redo); }
+
 signals:
     void changed();          ///< points, or their counts
     void settingsChanged();  ///< mode, depth
@@ -110,8 +120,15 @@ private:
         bool answered = false;
         std::shared_ptr<const ViewSnapshot> view;  ///< null: there is none
     };
+    enum class Kind {
+        New,    ///< a step of its own, once it is finished
+        Undo,   ///< of the newest step
+        Redo,   ///< of the one that was undone last
+        Follow  ///< the points have changed: no step
+    };
     struct Task {
         QString title;
+        Kind kind = Kind::New;
         Work work;
         bool live = false;  ///< may be left out when a newer one has come
         std::shared_ptr<Base> base;
@@ -129,6 +146,11 @@ private:
     void startNext();
     void run(Task task);
     void publish(Document& document, State state);
+    void askStep(Kind kind);
+    std::size_t asked(Kind kind) const;
+    /// A selection of before is kept, and packed by a job.
+    std::shared_ptr<KeptSelection> keep(const Document& document, std::shared_ptr<const PointSet> points);
+    void noteStep(Document& document, Kind kind, const QString& title, const State& before);
     /// Says in a job which points of a set may be touched; asked for in the GUI thread.
     using WhatTouchable = std::function<Touchable(const PointCloud&, const PointSet& among, Progress&)>;
     WhatTouchable touchable(const std::vector<ClipPlane>& cuts = {}) const;
@@ -149,6 +171,7 @@ private:
     Depth m_depth = Depth::Through;
     double m_slab = 5.0;
     std::map<const Document*, State> m_states;
+    std::map<const Document*, SelectionSteps> m_steps;
     bool m_drawing = false;
     SelectMode m_drawMode = SelectMode::Replace;
     std::shared_ptr<Base> m_base;  ///< of the drawing
@@ -157,6 +180,7 @@ private:
     std::vector<ClipPlane> m_drawCuts;
     std::deque<Task> m_tasks;
     JobId m_job = 0;
+    Kind m_running = Kind::New;      ///< of the task whose job runs
     std::uint64_t m_generation = 0;  ///< answers to questions asked before the last abandon() are dropped
 };
 

@@ -15,10 +15,11 @@ namespace
 
 constexpr qreal kRadius = 6.0;
 
-void drawField(QPainter& painter, const QRect& rect, bool enabled, bool hover, bool focus, const QColor& fill)
+void drawField(QPainter& painter, const QRect& rect, bool enabled, bool hover, bool focus, const QColor& fill,
+               bool wrong = false)
 {
     const ThemeColors& colors = themeColors();
-    painter.setPen(QPen(focus ? colors.accent : colors.border, 1.0));
+    painter.setPen(QPen(wrong ? colors.error : focus ? colors.accent : colors.border, 1.0));
     painter.setBrush(enabled && hover ? colors.hover : fill);
     painter.drawRoundedRect(QRectF(rect).adjusted(0.5, 0.5, -0.5, -0.5), kRadius, kRadius);
 }
@@ -58,7 +59,8 @@ void Style::drawComplexControl(ComplexControl control, const QStyleOptionComplex
     if (control == CC_SpinBox) {
         painter->save();
         painter->setRenderHint(QPainter::Antialiasing);
-        drawField(*painter, option->rect, enabled, false, focus, colors.base);
+        drawField(*painter, option->rect, enabled, false, focus, colors.base,
+                  widget && widget->property("wrong").toBool());
         const QRect up = subControlRect(control, option, SC_SpinBoxUp, widget);
         const QRect down = subControlRect(control, option, SC_SpinBoxDown, widget);
         const auto* spin = qstyleoption_cast<const QStyleOptionSpinBox*>(option);

@@ -140,6 +140,9 @@ QLineEdit { min-height: 18px; background: @base; border: 1px solid @border; bord
 QLineEdit:focus { border-color: @accent; }
 QLineEdit:disabled { color: @dim; }
 QLineEdit[wrong="true"] { border-color: @error; }
+QPlainTextEdit#rule { background: @base; border: 1px solid @border; border-radius: 6px; padding: 2px 3px; selection-background-color: @accent; }
+QPlainTextEdit#rule:focus { border-color: @accent; }
+QPlainTextEdit#rule[wrong="true"] { border-color: @error; }
 
 QProgressBar { background: @hover; border: none; border-radius: 2px; max-height: 4px; min-height: 4px; }
 QProgressBar::chunk { background: @accent; border-radius: 2px; }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "ui/style/Widgets.h"
 
+#include <QStyle>
+#include <QToolTip>
+
 namespace punctum::ui
 {
 
@@ -18,6 +21,30 @@ QLabel* heading(const QString& text)
     bold.setBold(true);
     label->setFont(bold);
     return label;
+}
+
+void markWrong(QWidget& field, const QString& why)
+{
+    constexpr char kWhy[] = "whyWrong", kTip[] = "tipWhenRight";
+    const QString before = wrongness(field);
+    if (why == before) return;
+    if (before.isEmpty()) field.setProperty(kTip, field.toolTip());
+    field.setProperty(kWhy, why);
+    field.setToolTip(why.isEmpty() ? field.property(kTip).toString() : why);
+    field.setAccessibleDescription(why);
+    if (field.property("wrong").toBool() != !why.isEmpty()) {
+        field.setProperty("wrong", !why.isEmpty());
+        field.style()->unpolish(&field);
+        field.style()->polish(&field);
+        field.update();
+    }
+    if (!why.isEmpty() && field.isVisible())
+        QToolTip::showText(field.mapToGlobal(QPoint(0, field.height() / 2)), why, &field);
+}
+
+QString wrongness(const QWidget& field)
+{
+    return field.property("whyWrong").toString();
 }
 
 QScrollArea* scrollColumn(QWidget* content)

@@ -11,6 +11,11 @@ namespace punctum::ui
 QLabel* dimLabel(const QString& text);
 /// The bold title of a part of a panel.
 QLabel* heading(const QString& text);
+/// Marks a field that holds what cannot be used, and says why beside it and in its tool tip; empty: it is well
+/// again.
+void markWrong(QWidget& field, const QString& why);
+/// Why it is marked; empty when it is not.
+QString wrongness(const QWidget& field);
 /// A panel's column that scrolls up and down where it does not fit, never sideways.
 QScrollArea* scrollColumn(QWidget* content);
 

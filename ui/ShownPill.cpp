@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#include "ui/ShownPill.h"
+
+#include "ui/ShownCount.h"
+#include "ui/ViewScope.h"
+#include "ui/Viewport.h"
+
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QPushButton>
+
+namespace punctum::ui
+{
+
+ShownPill::ShownPill(Viewport& viewport, const ShownCount& count, ViewScope& scope)
+    : QFrame(&viewport),
+      m_viewport(viewport),
+      m_count(count),
+      m_text(new QLabel),
+      m_showAll(new QPushButton(tr("Show all")))
+{
+    setObjectName(QStringLiteral("shown"));
+    // It lies on the picture, as the title does: dark in every appearance.
+    setStyleSheet(QStringLiteral(
+        "QFrame#shown { background: rgba(12, 14, 16, 200); border: 1px solid #d9a441; border-radius: 8px; }"
+        "QFrame#shown QLabel { color: #eceef1; background: transparent; }"
+        "QFrame#shown QPushButton { color: #79b8ff; background: transparent; border: none; padding: 2px 4px; }"
+        "QFrame#shown QPushButton:hover { color: #ffffff; }"
+        "QFrame#shown QPushButton:focus { text-decoration: underline; }"));
+    m_text->setTextFormat(Qt::PlainText);
+    m_showAll->setCursor(Qt::PointingHandCursor);
+    m_showAll->setFocusPolicy(Qt::TabFocus);
+    m_showAll->setToolTip(tr("Takes the filter, the box and the cuts away, and shows all classes"));
+    auto* row = new QHBoxLayout(this);
+    row->setContentsMargins(11, 4, 9, 4);
+    row->setSpacing(8);
+    row->addWidget(m_text);
+    row->addWidget(m_showAll);
+    connect(m_showAll, &QPushButton::clicked, &scope, &ViewScope::showAll);
+    connect(&count, &ShownCount::changed, this, &ShownPill::take);
+    viewport.setUnderTitle(this);
+    take();
+}
+
+QString ShownPill::text() const
+{
+    return isHidden() ? QString() : m_text->text();
+}
+
+void ShownPill::take()
+{
+    const QString text = m_count.text();
+    m_text->setText(text);
+    m_text->setToolTip(m_count.state().choices
+                           ? QString()
+                           : tr("Select > Restore All Deleted brings them back; saving leaves them out."));
+    m_showAll->setVisible(m_count.state().choices);
+    setVisible(!text.isEmpty());
+    adjustSize();
+    m_viewport.updateTitle();
+}
+
+}  // namespace punctum::ui

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <QFrame>
+
+class QLabel;
+class QPushButton;
+
+namespace punctum::ui
+{
+
+class ShownCount;
+class ViewScope;
+class Viewport;
+
+/// Says in the view that points are hidden or deleted, how many are shown and what hides the others, and has a
+/// button that shows all. Not there while all points are shown. GUI thread only; a child of the view.
+class ShownPill final : public QFrame
+{
+    Q_OBJECT
+public:
+    ShownPill(Viewport& viewport, const ShownCount& count, ViewScope& scope);
+
+    QString text() const;
+    QPushButton& showAllButton() noexcept { return *m_showAll; }
+
+private:
+    void take();
+
+    Viewport& m_viewport;
+    const ShownCount& m_count;
+    QLabel* m_text;
+    QPushButton* m_showAll;
+};
+
+}  // namespace punctum::ui
