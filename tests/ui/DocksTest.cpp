@@ -246,6 +246,10 @@ private slots:
         QCOMPARE(dock.resultText(), QStringLiteral("Reclassify: %1 changed.").arg(pointsText(expected)));
         QVERIFY(pointsText(expected).contains(QLatin1Char('.')) && expected > 1000);
 
+        // only what can be renamed is offered: nothing here
+        dock.chooseStep(QStringLiteral("rename"));
+        QVERIFY(!dock.setValue(QStringLiteral("attribute"), QStringLiteral("Z")));
+
         // the range of colors, and spin boxes
         test.window->showAttribute(QStringLiteral("Z"));
         QVERIFY(test.settle(QStringLiteral("Z")));

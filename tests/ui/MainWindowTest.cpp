@@ -598,9 +598,11 @@ private slots:
         Document* document = test.open(surveyFile());
         QVERIFY(document);
         int asked = 0;
+        QString told;
         UnsavedAnswer answer = UnsavedAnswer::Cancel;
-        test.window->askUnsaved = [&](const QString&, const QString&) {
+        test.window->askUnsaved = [&](const QString&, const QString& changes) {
             ++asked;
+            told = changes;
             return answer;
         };
         const Step* step = findStep("reclassify");
@@ -608,8 +610,10 @@ private slots:
         test.window->workspace().run(*document, *step,
                                      {{"attribute", "Z"}, {"min", "400"}, {"max", "430"}, {"class", "6"}});
         QVERIFY(waitFor([&] { return test.window->isWindowModified(); }));
+        QVERIFY(waitFor([&] { return document->unsavedChanges().contains(QStringLiteral("Classification")); }));
         test.window->closeActive();
         QCOMPARE(asked, 1);
+        QCOMPARE(told, document->unsavedChanges());
         QCOMPARE(test.window->workspace().documents().size(), std::size_t(1));
         answer = UnsavedAnswer::Discard;
         QVERIFY(test.window->close());

@@ -127,6 +127,12 @@ private slots:
         b.press(b.dock().applyButton());
         QVERIFY(
             waitFor([&] { return b.dock().resultText().contains(QLatin1String("did you mean Classification?")); }));
+        QCOMPARE(b.dock().rule().marked(), QStringLiteral("Clasification"));
+        b.type(QStringLiteral("  Classification = 5 if Z > 400 and Grund == 1"));
+        b.press(b.dock().previewButton());
+        QVERIFY(waitFor([&] { return b.dock().rule().marked() == QStringLiteral("Grund"); }));
+        b.type(QStringLiteral("Classification = 5"));
+        QVERIFY(b.dock().rule().marked().isEmpty() && !b.dock().rule().property("wrong").toBool());
     }
 
     // The picture before Apply is the one after it, and each way to end it leaves nothing behind.

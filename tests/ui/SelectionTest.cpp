@@ -298,6 +298,7 @@ private slots:
         b.window->historyDock().show();
         b.window->historyDock().raise();
         QCOMPARE(list.count(), 2);
+        QCOMPARE(list.item(1)->data(HistoryDock::kCountRole).toString(), countText(points->count()));
         QVERIFY2(list.toolTip().contains(kept), qPrintable(list.toolTip()));
         QTest::mouseClick(list.viewport(), Qt::LeftButton, {}, list.visualItemRect(list.item(1)).center());
         QVERIFY(waitFor([&] { return b.document->data()->history->position() == 1; }) && b.done());
@@ -605,6 +606,10 @@ private slots:
         QVERIFY(b.done());
         QCOMPARE(b.selection().count(), all - points->count());
         b.selection().clear();
+        for (int step = 0; step < 2; ++step) {  // these selections are undone first
+            QTest::keyClick(&b.view(), Qt::Key_Z, Qt::ControlModifier);
+            QVERIFY(b.done() && b.document->deletedPoints() == points->count());
+        }
         QVERIFY(press(b, Qt::Key_Z, Qt::ControlModifier));
         QCOMPARE(b.document->deletedPoints(), PointIndex(0));
         QVERIFY(b.document->bounds().max.z > 500.0);

@@ -237,11 +237,9 @@ void ColorPanel::setRange(std::pair<double, double> range)
 
 void ColorPanel::fillRange()
 {
-    const auto put = [](NumberField& field, double value) {
-        if (field.problem().isEmpty() || !field.isModified()) field.put(value, plainNumber(value));
-    };
-    put(*m_low, m_range.first);
-    put(*m_high, m_range.second);
+    if (!m_low->problem().isEmpty() || !m_high->problem().isEmpty()) return;  // what is wrong stays to be seen
+    m_low->put(m_range.first, plainNumber(m_range.first));
+    m_high->put(m_range.second, plainNumber(m_range.second));
 }
 
 void ColorPanel::automaticRange()

@@ -350,6 +350,7 @@ void ProcessingDock::ended(quint64 job, const QString& title, quint64 changed, c
     switch (info.state) {
         case JobState::Failed:
             m_result->setText(toQString(info.error));
+            if (!isVisible()) m_workspace.say(MessageKind::Error, toQString(info.error), {}, m_document);
             return;
         case JobState::Cancelled:
             m_result->setText(tr("%1: cancelled, nothing changed.").arg(title));

@@ -56,7 +56,8 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
     m_condition->setClearButtonEnabled(true);
     m_condition->setAccessibleName(tr("Filter"));
     m_condition->setToolTip(
-        tr("A condition over attributes; points for which it does not hold are hidden. Press Enter."));
+        tr("A condition over attributes; points for which it does not hold are hidden. Press Enter. Numbers are "
+           "written with a point here, whatever the language."));
     m_state->setWordWrap(true);
     connect(m_condition, &QLineEdit::editingFinished, this, [this] { m_filter.setText(m_condition->text()); });
     connect(m_condition, &QLineEdit::textChanged, this, [this](const QString& text) {

@@ -226,6 +226,12 @@ void EditDock::say(const QString& text)
     m_result->setText(text);
 }
 
+void EditDock::refuse(MessageKind kind, const QString& sentence)
+{
+    say(sentence);
+    if (!isVisible()) m_workspace.say(kind, sentence, {}, m_document);  // keys work without the panel
+}
+
 void EditDock::sayWrong(const QString& sentence)
 {
     const QString text = m_rule->text();
@@ -277,7 +283,7 @@ bool EditDock::ready() const
 std::shared_ptr<const PointSet> EditDock::selected()
 {
     auto points = m_selection.points(m_document);
-    if (!points) say(tr("Select the points first."));
+    if (!points) refuse(MessageKind::Info, tr("Select the points first."));
     return points;
 }
 
@@ -311,19 +317,19 @@ void EditDock::runRule(const QString& text, std::shared_ptr<const PointSet> with
 void EditDock::run(const Recipe& recipe, const QString& title, bool typed)
 {
     if (!ready()) return;
-    m_job = m_workspace.edit(*m_document, title, recipe,
-                             [this, title, typed](const JobInfo& info, const Workspace::EditOutcome& outcome) {
-                                 m_job = 0;
-                                 m_preview->end();
-                                 takeState();
-                                 if (info.state == JobState::Failed)
-                                     typed ? sayWrong(toQString(info.error)) : say(toQString(info.error));
-                                 if (info.state == JobState::Cancelled) say(tr("Cancelled, nothing changed."));
-                                 if (info.state == JobState::Finished)
-                                     say(outcome.changed == 0
-                                             ? tr("%1: no point had to change.").arg(title)
-                                             : tr("%1: %2 changed.").arg(title, pointsText(outcome.changed)));
-                             });
+    m_job = m_workspace.edit(
+        *m_document, title, recipe,
+        [this, title, typed](const JobInfo& info, const Workspace::EditOutcome& outcome) {
+            m_job = 0;
+            m_preview->end();
+            takeState();
+            if (info.state == JobState::Failed)
+                typed ? sayWrong(toQString(info.error)) : refuse(MessageKind::Error, toQString(info.error));
+            if (info.state == JobState::Cancelled) say(tr("Cancelled, nothing changed."));
+            if (info.state == JobState::Finished)
+                say(outcome.changed == 0 ? tr("%1: no point had to change.").arg(title)
+                                         : tr("%1: %2 changed.").arg(title, pointsText(outcome.changed)));
+        });
     takeState();
 }
 

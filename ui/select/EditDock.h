@@ -29,6 +29,7 @@ class Selection;
 class ViewRenderer;
 class ViewSettings;
 class Workspace;
+enum class MessageKind;
 
 /// Changes what is selected: its class, or any attribute by a rule, which can be looked at first in color; and
 /// selects by rule and by neighbors. Each change is one command that can be undone. GUI thread only.
@@ -80,6 +81,8 @@ private:
     void followPreview(bool on);
     void selectByRule();
     void say(const QString& text);
+    /// Says why nothing was done, over the view where the panel is not seen.
+    void refuse(MessageKind kind, const QString& sentence);
     /// Says what is wrong with the text of the rule field, and marks the place.
     void sayWrong(const QString& sentence);
     void takeState();

@@ -69,7 +69,9 @@ QString NumberField::problem() const
 
 NumberSpin::NumberSpin(QWidget* parent) : QDoubleSpinBox(parent)
 {
-    // what is typed half is no number yet, and is given up when the field is left
+    // what is typed half is no number yet, and no value before the field is left; what is none then leaves all as
+    // it was
+    setKeyboardTracking(false);
     connect(this, &QDoubleSpinBox::textChanged, this, [this](const QString& text) {
         const NumberRead read = readNumber(bare(text));
         markWrong(*this, hasAcceptableInput() ? QString()
