@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/Text.h"
 
+#include "core/cloud/ValueText.h"
 #include "render/color/ColorMap.h"
 #include "ui/Numbers.h"
 #include "ui/ViewRenderer.h"
@@ -41,38 +42,43 @@ QString pointsText(std::uint64_t count)
     return count == 1 ? QStringLiteral("1 point") : countText(count) + QStringLiteral(" points");
 }
 
-QString plainNumber(double value)
+QString plainNumber(double value, double width)
 {
     if (!std::isfinite(value)) return std::isnan(value) ? QStringLiteral("none") : QString::number(value);
     if (value == 0.0) return QStringLiteral("0");
-    const double magnitude = std::log10(std::fabs(value));
-    if (magnitude >= 15.0 || magnitude < -5.0) return QString::number(value, 'g', 6);
-    const int decimals = std::clamp(6 - int(std::floor(magnitude)), 0, 9);
+    constexpr int kMostDecimals = 12, kMostDigits = 15;
+    const int whole = int(std::floor(std::log10(std::fabs(value))));  // digits before the point, less one
+    const int apart = width > 0.0 ? 3 - int(std::floor(std::log10(width))) : 0;
+    if (whole >= kMostDigits || (whole < -5 && apart < 6)) return QString::number(value, 'g', 6);
+    const int decimals = std::clamp(std::max(std::min(6 - whole, 9), apart), 0,
+                                    std::clamp(kMostDigits - 1 - whole, 0, kMostDecimals));
     return withoutTrailingZeros(QString::number(value, 'f', decimals));
 }
 
-QString numberText(double value)
+QString numberText(double value, double width)
 {
-    return localNumber(plainNumber(value));
+    return localNumber(plainNumber(value, width));
+}
+
+QString shownValue(const Attribute& attribute, const Value& value)
+{
+    return localNumber(toQString(punctum::valueText(attribute, value)));
 }
 
 QString valueText(const Value& value)
 {
-    if (const auto* i = std::get_if<std::int64_t>(&value)) return localNumber(QString::number(*i));
-    if (const auto* u = std::get_if<std::uint64_t>(&value)) return localNumber(QString::number(*u));
-    return numberText(std::get<double>(value));
+    return localNumber(toQString(toText(value)));
 }
 
-QString plainCoordinate(double value, double scale)
+QString plainCoordinate(const CoordinateScale& coordinates, int axis, double value)
 {
-    const bool usable = std::isfinite(scale) && scale != 0.0;
-    const int decimals = usable ? std::clamp(int(std::ceil(-std::log10(std::fabs(scale)) - 1e-9)), 0, 9) : 3;
-    return QString::number(value, 'f', decimals);
+    const int decimals = decimalsOf(coordinates, axis);
+    return toQString(decimals < 0 ? shortestText(value) : decimalText(value, decimals));
 }
 
-QString coordinateText(double value, double scale)
+QString shownCoordinate(const CoordinateScale& coordinates, int axis, double value)
 {
-    return localNumber(plainCoordinate(value, scale));
+    return localNumber(plainCoordinate(coordinates, axis, value));
 }
 
 QString bytesText(std::uint64_t bytes)
@@ -154,10 +160,11 @@ QString classText(unsigned code)
 
 QString readOutText(const PickedPoint& point)
 {
-    const glm::dvec3 scale = point.cloud->coordinates().scale;
-    QString text = QStringLiteral("x %1   y %2   z %3")
-                       .arg(coordinateText(point.world.x, scale.x), coordinateText(point.world.y, scale.y),
-                            coordinateText(point.world.z, scale.z));
+    const CoordinateScale& coordinates = point.cloud->coordinates();
+    QString text =
+        QStringLiteral("x %1   y %2   z %3")
+            .arg(shownCoordinate(coordinates, 0, point.world.x), shownCoordinate(coordinates, 1, point.world.y),
+                 shownCoordinate(coordinates, 2, point.world.z));
     if (point.classCode) text += QStringLiteral("   ·   ") + classText(*point.classCode);
     static const QStringList told{QStringLiteral("X"), QStringLiteral("Y"), QStringLiteral("Z"),
                                   QStringLiteral("Classification")};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/cloud/Attribute.h"
+#include "core/cloud/PointCloud.h"
 
 #include <QString>
 
@@ -20,16 +20,19 @@ struct PickedPoint;
 QString countText(std::uint64_t count);
 /// "1,204 points", "1 point".
 QString pointsText(std::uint64_t count);
-/// Up to seven significant digits, without trailing zeros: "0.0251", "4,849.12", "1.2e-09".
-QString numberText(double value);
+/// Of what was computed and is no stored value. Up to seven significant digits, or as many as tell apart what lies
+/// in a range of this width, without trailing zeros: "0.0251", "4,849.12", "1.2e-09".
+QString numberText(double value, double width = 0.0);
 /// The same as the program writes it, with a point and without separators.
-QString plainNumber(double value);
-/// An attribute's value: whole numbers in full, others as numberText().
+QString plainNumber(double value, double width = 0.0);
+/// A value of an attribute, exact: core/cloud/ValueText.h.
+QString shownValue(const Attribute& attribute, const Value& value);
+/// A whole number in full.
 QString valueText(const Value& value);
-/// A coordinate with the decimals that its scale (the file's resolution) makes sense of: "637,012.24".
-QString coordinateText(double value, double scale);
+/// A coordinate with the decimals of the file's scale and offset: "637,012.24". A stored one is exact.
+QString shownCoordinate(const CoordinateScale& coordinates, int axis, double value);
 /// The same as the program writes it.
-QString plainCoordinate(double value, double scale);
+QString plainCoordinate(const CoordinateScale& coordinates, int axis, double value);
 /// "603 kB", "2.1 GB".
 QString bytesText(std::uint64_t bytes);
 

@@ -27,7 +27,7 @@ QString pickedValue(const Attribute& attribute, PointIndex index)
     for (std::uint32_t c = 0; c < attribute.components; ++c)
         parts << (attribute.kind == AttributeKind::Vector
                       ? localNumber(QString::number(attribute.number(index, c), 'f', 3))
-                      : valueText(attribute.value(index, c)));
+                      : shownValue(attribute, attribute.value(index, c)));
     return parts.join(QStringLiteral(", "));
 }
 

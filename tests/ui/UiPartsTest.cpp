@@ -235,8 +235,14 @@ private slots:
     {
         QCOMPARE(pointsText(1), QStringLiteral("1 point"));
         QCOMPARE(pointsText(1204), QStringLiteral("1,204 points"));
-        QCOMPARE(coordinateText(637012.2449, 0.01), QStringLiteral("637,012.24"));
-        QCOMPARE(coordinateText(12.0, 0.0), QStringLiteral("12.000"));
+        const CoordinateScale steps{glm::dvec3(0.01, 0.25, 1e-7), glm::dvec3(0.0)};
+        QCOMPARE(shownCoordinate(steps, 0, 637012.2449), QStringLiteral("637,012.24"));
+        QCOMPARE(shownCoordinate(steps, 1, 12.25), QStringLiteral("12.25"));
+        QCOMPARE(shownCoordinate(steps, 2, 6.3600176), QStringLiteral("6.3600176"));
+        // two ends of a range are told apart
+        QCOMPARE(numberText(245383.3992), QStringLiteral("245,383.4"));
+        QCOMPARE(numberText(245383.3992, 0.5), QStringLiteral("245,383.3992"));
+        QCOMPARE(numberText(637012.25, 1200.0), QStringLiteral("637,012.3"));
         QCOMPARE(classText(2), QStringLiteral("2 Ground"));
         QCOMPARE(classText(77), QStringLiteral("77 User defined"));
         QCOMPARE(valueText(Value(std::uint64_t(18446744073709551615u))),

@@ -295,7 +295,7 @@ private slots:
         QTest::mouseMove(window, inWindow(from + by / 2));
         const double half = now().max.x;
         QVERIFY(half < whole.max.x - width / 8 && half > middle.x);
-        QCOMPARE(most->text(), coordinateText(half, 0.01));
+        QCOMPARE(most->text(), shownCoordinate(document->cloud()->coordinates(), 0, half));
         QVERIFY(waitFor([&] { return test.hidden() > 0 && test.frame()->report.share == 1.0; }));
         QTest::mouseMove(window, inWindow(from + by));
         QVERIFY(std::abs(now().max.x - middle.x) < width / 100);
@@ -350,7 +350,7 @@ private slots:
         least->setFocus();
         QTest::keyClick(least, Qt::Key_Up);
         QVERIFY(std::abs(now().min.x - (whole.min.x + (dragged.max.x - whole.min.x) / 100)) < width / 1000);
-        QCOMPARE(least->text(), coordinateText(now().min.x, 0.01));
+        QCOMPARE(least->text(), shownCoordinate(document->cloud()->coordinates(), 0, now().min.x));
 
         // A tool has the mouse for itself.
         test.window->selectTools().setTool(SelectTools::Tool::Lasso);

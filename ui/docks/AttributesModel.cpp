@@ -110,11 +110,9 @@ QString AttributesModel::detail(const Attribute& attribute) const
             if (f.count == 0) {
                 parts << tr("no values");
             } else if (toDouble(f.min) == toDouble(f.max)) {
-                parts << tr("always %1").arg(valueText(f.min));
+                parts << tr("always %1").arg(shownValue(attribute, f.min));
             } else {
-                const bool wide = attribute.scaled || isFloating(attribute.type());
-                const auto text = [&](const Value& v) { return wide ? numberText(toDouble(v)) : valueText(v); };
-                parts << tr("%1 to %2").arg(text(f.min), text(f.max));
+                parts << tr("%1 to %2").arg(shownValue(attribute, f.min), shownValue(attribute, f.max));
                 if (attribute.kind == AttributeKind::Scalar) parts << tr("mean %1").arg(shortText(f.mean));
             }
         } else {

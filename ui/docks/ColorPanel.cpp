@@ -238,8 +238,9 @@ void ColorPanel::setRange(std::pair<double, double> range)
 void ColorPanel::fillRange()
 {
     if (!m_low->problem().isEmpty() || !m_high->problem().isEmpty()) return;  // what is wrong stays to be seen
-    m_low->put(m_range.first, plainNumber(m_range.first));
-    m_high->put(m_range.second, plainNumber(m_range.second));
+    const double width = m_range.second - m_range.first;
+    m_low->put(m_range.first, plainNumber(m_range.first, width));
+    m_high->put(m_range.second, plainNumber(m_range.second, width));
 }
 
 void ColorPanel::automaticRange()

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/docks/DocumentProperties.h"
 
+#include "core/cloud/ValueText.h"
 #include "ui/Document.h"
 #include "ui/Numbers.h"
 #include "ui/Text.h"
@@ -22,22 +23,17 @@ QString tr(const char* text)
 
 QString vectorText(const glm::dvec3& v)
 {
-    const auto text = [](double x) { return localNumber(QString::number(x, 'g', 12)); };
+    const auto text = [](double x) { return localNumber(toQString(shortestText(x))); };
     if (v.x == v.y && v.y == v.z) return text(v.x);
     return QStringLiteral("%1\n%2\n%3").arg(text(v.x), text(v.y), text(v.z));
 }
 
-QString sizeText(const WorldBounds& b, const glm::dvec3& scale)
-{
-    const glm::dvec3 d = b.max - b.min;
-    return QStringLiteral("%1\n%2\n%3")
-        .arg(coordinateText(d.x, scale.x), coordinateText(d.y, scale.y), coordinateText(d.z, scale.z));
-}
-
-QString cornerText(const glm::dvec3& v, const glm::dvec3& scale)
+/// Of a corner of the box, or of its extent.
+QString axesText(const glm::dvec3& v, const CoordinateScale& coordinates)
 {
     return QStringLiteral("%1\n%2\n%3")
-        .arg(coordinateText(v.x, scale.x), coordinateText(v.y, scale.y), coordinateText(v.z, scale.z));
+        .arg(shownCoordinate(coordinates, 0, v.x), shownCoordinate(coordinates, 1, v.y),
+             shownCoordinate(coordinates, 2, v.z));
 }
 
 }  // namespace
@@ -45,7 +41,7 @@ QString cornerText(const glm::dvec3& v, const glm::dvec3& scale)
 std::vector<PropertySection> documentProperties(const Document& document)
 {
     const las::SourceFile& source = document.source();
-    const glm::dvec3 scale = document.cloud()->coordinates().scale;
+    const CoordinateScale& coordinates = document.cloud()->coordinates();
     std::vector<PropertySection> sections;
 
     if (document.recovered()) {
@@ -85,13 +81,13 @@ std::vector<PropertySection> documentProperties(const Document& document)
                                                                        : QString::number(source.layout.format)},
                          {tr("Record length"), tr("%1 bytes").arg(source.layout.length)},
                          {tr("Compressed"), source.compressed ? tr("yes, LAZ") : tr("no")}}});
-    PropertySection place{tr("Coordinates"),
-                          {{tr("Scale"), vectorText(document.cloud()->coordinates().scale)},
-                           {tr("Offset"), vectorText(document.cloud()->coordinates().offset)}}};
+    PropertySection place{
+        tr("Coordinates"),
+        {{tr("Scale"), vectorText(coordinates.scale)}, {tr("Offset"), vectorText(coordinates.offset)}}};
     if (!document.bounds().empty()) {
-        place.rows.push_back({tr("Lowest"), cornerText(document.bounds().min, scale)});
-        place.rows.push_back({tr("Highest"), cornerText(document.bounds().max, scale)});
-        place.rows.push_back({tr("Extent"), sizeText(document.bounds(), scale)});
+        place.rows.push_back({tr("Lowest"), axesText(document.bounds().min, coordinates)});
+        place.rows.push_back({tr("Highest"), axesText(document.bounds().max, coordinates)});
+        place.rows.push_back({tr("Extent"), axesText(document.bounds().max - document.bounds().min, coordinates)});
     }
     place.rows.push_back({tr("System"), source.crs.empty() ? tr("not stated") : toQString(source.crs)});
     sections.push_back(place);

@@ -185,8 +185,8 @@ void VisibilityDock::putFace(const WorldBounds& box, std::size_t field)
 {
     const std::size_t axis = field % 3;
     const double value = (field < 3 ? box.min : box.max)[int(axis)];
-    const double scale = m_document ? m_document->cloud()->coordinates().scale[int(axis)] : 0.0;
-    m_fields[field]->put(value, plainCoordinate(value, scale));
+    if (m_document)
+        m_fields[field]->put(value, plainCoordinate(m_document->cloud()->coordinates(), int(axis), value));
 }
 
 void VisibilityDock::fillBox(const WorldBounds& box)

@@ -22,8 +22,9 @@ void addBar(Legend& legend, const render::DisplaySettings& display, std::pair<do
     legend.table = render::banded(map.table, display.bands);
     const int steps = display.bands < 2 ? 1 : display.bands;
     for (int k = 0; k <= steps; ++k)
-        legend.values << numberText(k == steps ? range.second
-                                               : range.first + (range.second - range.first) * k / steps);
+        legend.values << numberText(
+            k == steps ? range.second : range.first + (range.second - range.first) * k / steps,
+            range.second - range.first);
 }
 
 void addClasses(Legend& legend, const Document& document, const render::DisplaySettings& display)

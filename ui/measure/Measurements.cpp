@@ -34,7 +34,7 @@ QString attributeText(const Attribute& attribute, PointIndex index)
 {
     QStringList parts;
     for (std::uint32_t c = 0; c < attribute.components; ++c)
-        parts << localNumber(toQString(toText(attribute.value(index, c))));
+        parts << shownValue(attribute, attribute.value(index, c));
     QString text = parts.join(QLatin1String(", "));
     if (attribute.kind == AttributeKind::Class)
         text = classText(unsigned(std::clamp(attribute.number(index), 0.0, 255.0)));
