@@ -45,12 +45,14 @@ private:
     }
     fs::path path(const std::string& name) const { return fs::path(m_dir.path().toStdString()) / name; }
     fs::path make(int format, bool compressed, const Bytes& records) const;
-    static void save(const PointCloud& cloud, const fs::path& file, std::optional<std::uint8_t> format = {})
+    static void save(const PointCloud& cloud, const fs::path& file, std::optional<std::uint8_t> format = {},
+                     std::optional<std::uint8_t> minor = {})
     {
         Progress progress;
         las::WriteOptions options;
         options.compressed = las::isCompressedName(file);
         options.pointFormat = format;
+        options.versionMinor = minor;
         las::write(cloud, file, options, progress);
     }
 
@@ -291,6 +293,12 @@ void LasCompatibleTest::becomesNative()
     Progress progress;
     const las::Difference d = las::diffFiles(file, out, {}, progress);
     QVERIFY2(d.attributes.empty() && d.differing == 0, las::report(d, "a", "b").c_str());
+
+    save(*load(file), path("newest.las"), {}, std::uint8_t(5));  // which has no such form
+    const auto newest = load(path("newest.las"));
+    QCOMPARE(int(newest->source()->header.versionMinor()), 5);
+    QVERIFY(!newest->source()->layout.compatible);
+    QVERIFY(las::diffFiles(file, path("newest.las"), {}, progress).attributes.empty());
 }
 
 void LasCompatibleTest::diffGoesByMeaning()
