@@ -134,6 +134,7 @@ bool readWkt(PJ_CONTEXT* context, const Vlr& record, CrsInfo& info, std::string&
         return false;
     }
     info.text = text;
+    reason.clear();
     addUnits(context, crs.get(), info.units);
     return true;
 }
@@ -225,15 +226,18 @@ CrsInfo readCrs(const SourceFile& source)
     const bool wktFirst = source.header.says(encoding::kWkt) || isExtendedFormat(source.layout.shownFormat());
     CrsInfo info;
     if (wkt == nullptr && keysRecord == nullptr) return info;
-    const proj::Context context = proj::makeContext();
-    if (!context) return info;
+    const proj::Context plain = proj::makeContext(proj::Database::Unused), context = proj::makeContext();
+    if (!plain || !context) return info;
 
     std::optional<GeoKeys> keys;
     if (keysRecord != nullptr)
         keys.emplace(*keysRecord, source.findVlr(geo::kUser, geo::kAsciiId),
                      source.findVlr(geo::kUser, geo::kDoublesId));
     std::string reason;
-    const auto tryWkt = [&] { return wkt != nullptr && readWkt(context.get(), *wkt, info, reason); };
+    const auto tryWkt = [&] {
+        return wkt != nullptr &&
+               (readWkt(plain.get(), *wkt, info, reason) || readWkt(context.get(), *wkt, info, reason));
+    };
     const auto tryKeys = [&] { return keys && readGeoTiff(context.get(), *keys, info); };
     if (!(wktFirst ? tryWkt() || tryKeys() : tryKeys() || tryWkt())) {
         info.text.clear();

@@ -21,13 +21,16 @@ std::uint16_t codeFrom(const char* text)
 
 }  // namespace
 
-Context makeContext()
+Context makeContext(Database database)
 {
     Context context(proj_context_create());
     if (context) {
         // Levels do not keep it from saying that there is no database.
         proj_log_func(context.get(), nullptr, [](void*, int, const char*) {});
         proj_context_set_enable_network(context.get(), 0);
+        if (database == Database::Unused)
+            proj_context_set_file_finder(
+                context.get(), [](PJ_CONTEXT*, const char*, void*) { return "/dev/null/unused"; }, nullptr);
     }
     return context;
 }
