@@ -3,6 +3,7 @@
 
 option(PUNCTUM_TESTS "Build the tests" ON)
 option(PUNCTUM_FUZZERS "Build the libFuzzer targets (needs clang)" OFF)
+option(PUNCTUM_COVERAGE "Count which lines and branches of core are reached (gcc; tests/coverage.sh)" OFF)
 option(PUNCTUM_WERROR "Treat warnings as errors" ON)
 set(PUNCTUM_SANITIZER "" CACHE STRING "Sanitizers to build with: empty, address,undefined or thread")
 set(PUNCTUM_TEST_DATA "${PROJECT_SOURCE_DIR}/../shared/data" CACHE PATH

@@ -232,7 +232,7 @@ void Reader::Impl::visitChunk(const Chunk& chunk, ChunkWorker& worker, Shared& s
     else
         worker.decoder = std::make_unique<PointDecoder>(parsed.laz, worker.data, chunk.count);
     const auto whole = [&] {
-        return parsed.laz.compressor == LazInfo::Layered ||
+        return parsed.laz.compressor == LazInfo::Layered || worker.decoder->own() == nullptr ||
                wholeChunk(parsed.laz, worker.data, chunk.count, *worker.decoder);
     };
     decode(*worker.decoder, chunk, chunk.cut ? std::function<bool()>() : whole, worker.records, shared);

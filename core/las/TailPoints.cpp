@@ -22,6 +22,8 @@ constexpr std::uint64_t kFewSamples = 16;  ///< fewer say little on where the ot
 constexpr double kMostlyAll = 0.95;        ///< of them must look like points: there are strays everywhere
 constexpr std::uint64_t kMostPadding = 64 << 20;  ///< zeros behind the points that are looked through
 constexpr std::uint64_t kMostSearched = 1 << 20;  ///< bytes in which lost extended records are looked for
+constexpr std::uint32_t kMostLost =
+    100;  ///< records that are looked for there: each place costs a look at all of them
 constexpr double kLargestRaw = 2147483648.0;
 
 struct Sampled {
@@ -121,6 +123,7 @@ std::optional<std::uint64_t> endOfEvlrs(const File& file, std::uint64_t at, std:
 std::optional<std::uint64_t> findEvlrs(const File& file, std::uint64_t from, std::uint32_t count)
 {
     if (endOfEvlrs(file, from, count)) return from;
+    if (count > kMostLost) return {};
     const std::uint64_t last = std::min(file.size(), from + kMostSearched);
     for (std::uint64_t at = from + 1; at < last; ++at)
         if (endOfEvlrs(file, at, count) == file.size()) return at;
