@@ -2,10 +2,8 @@
 #include "core/cloud/Slabs.h"
 
 #include "core/cloud/PointCloud.h"
+#include "core/task/LockedLoop.h"
 #include "core/task/Progress.h"
-
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 
@@ -29,11 +27,8 @@ void forEachSlab(const PointCloud& cloud, Progress& progress,
         const std::size_t slabEnd = std::min(words, slab + kSlabWords);
         // One lock a slab, by this thread alone: readers that overlap would keep a waiting edit out for good.
         const std::shared_lock lock(cloud.mutex());
-        // Isolated: while it waits for its helpers, this thread must not pick up work that wants the lock it holds.
-        tbb::this_task_arena::isolate([&] {
-            tbb::parallel_for(slab, slabEnd, kTaskWords, [&](std::size_t first) {
-                if (!progress.cancelled()) task(first, std::min(slabEnd, first + kTaskWords));
-            });
+        forPiecesLocked(lock, slabEnd - slab, kTaskWords, [&](std::size_t first, std::size_t last) {
+            if (!progress.cancelled()) task(slab + first, slab + last);
         });
         progress.add(std::min<PointIndex>(PointIndex(slabEnd) * 64, cloud.size()) - PointIndex(slab) * 64);
     }

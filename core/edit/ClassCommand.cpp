@@ -2,10 +2,7 @@
 #include "core/edit/ClassCommand.h"
 
 #include "core/Error.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
+#include "core/task/LockedLoop.h"
 
 #include <algorithm>
 #include <mutex>
@@ -18,7 +15,7 @@ namespace
 {
 
 constexpr std::uint32_t kLastClass = 255;
-constexpr PointIndex kGrain = 1 << 18;
+constexpr std::size_t kPiece = 1 << 18;  ///< points that one task takes
 
 }  // namespace
 
@@ -59,7 +56,7 @@ public:
         if (m_done) m_edit->apply(cloud);
         {
             const std::unique_lock lock(cloud.mutex());
-            if (!std::exchange(m_filled, true)) fill();
+            if (!std::exchange(m_filled, true)) fill(lock);
             cloud.replaceAttribute(m_done ? m_narrow : m_wide);
             m_detached.clear();
             if (m_done) m_detached.add(m_wide.columns[0]);
@@ -87,17 +84,14 @@ public:
     void cross(const Column& column, std::span<std::byte> values) const override { m_edit->cross(column, values); }
 
 private:
-    void fill() const
+    void fill(const std::unique_lock<std::shared_mutex>& lock) const
     {
         const std::uint8_t* const from = m_narrow.columns[0]->values<std::uint8_t>().data();
         std::uint8_t* const to = m_wide.columns[0]->values<std::uint8_t>().data();
         const auto mask = std::uint8_t(m_narrow.maxBits());
         const unsigned shift = m_narrow.bitShift;
-        // Isolated: while it waits for its helpers, this thread must not pick up work that wants the lock it holds.
-        tbb::this_task_arena::isolate([&] {
-            tbb::parallel_for(tbb::blocked_range<PointIndex>(0, m_narrow.size(), kGrain), [=](const auto& r) {
-                for (PointIndex i = r.begin(); i < r.end(); ++i) to[i] = std::uint8_t((from[i] >> shift) & mask);
-            });
+        forPiecesLocked(lock, m_narrow.size(), kPiece, [=](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i) to[i] = std::uint8_t((from[i] >> shift) & mask);
         });
     }
 
@@ -116,19 +110,24 @@ std::unique_ptr<Command> makeClassCommand(std::string name, const Attribute& cla
 {
     const PointIndex count = points->count();
     if (count == 0) return nullptr;
-    return makeClassCommand(std::move(name), classes, std::move(points),
-                            std::vector<std::byte>(count, std::byte(code)));
+    if (code > classes.maxBits())
+        return std::make_unique<WideClassCommand>(std::move(name), classes, std::move(points),
+                                                  std::vector<std::byte>(count, std::byte(code)));
+    return std::make_unique<ValueCommand>(std::move(name), classes, std::move(points),
+                                          std::vector<std::byte>(count, std::byte(code << classes.bitShift)));
 }
 
 std::unique_ptr<Command> makeClassCommand(std::string name, const Attribute& classes,
                                           std::shared_ptr<const PointSet> points, std::vector<std::byte> codes)
 {
     if (codes.empty()) return nullptr;
-    const auto most = std::byte(classes.maxBits());
-    if (std::any_of(codes.begin(), codes.end(), [=](std::byte code) { return code > most; }))
+    auto highest = std::byte(0);
+    for (const std::byte code : codes) highest = std::max(highest, code);
+    if (std::uint64_t(highest) > classes.maxBits())
         return std::make_unique<WideClassCommand>(std::move(name), classes, std::move(points), std::move(codes));
     // ValueCommand takes from these bytes the bits of the class field alone, so that flags beside it need no copy.
-    for (std::byte& code : codes) code <<= classes.bitShift;
+    if (classes.bitShift != 0)
+        for (std::byte& code : codes) code <<= classes.bitShift;
     return std::make_unique<ValueCommand>(std::move(name), classes, std::move(points), std::move(codes));
 }
 

@@ -4,10 +4,8 @@
 #include "core/Error.h"
 #include "core/Text.h"
 #include "core/las/Reader.h"
+#include "core/task/LockedLoop.h"
 #include "core/task/Progress.h"
-
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -110,13 +108,11 @@ CloudKey keyOf(const PointCloud& cloud, Progress& progress, const KeptPoints* ke
         if (kept) takeKept(*column, *kept, copy.data());
         const std::byte* const data = kept ? copy.data() : column->data();
         std::vector<std::uint64_t> pieces((bytes + kPiece - 1) / kPiece);
-        tbb::this_task_arena::isolate([&] {
-            tbb::parallel_for(std::size_t(0), pieces.size(), [&](std::size_t k) {
-                if (progress.cancelled()) return;
-                const std::size_t n = std::min(kPiece, bytes - k * kPiece);
-                pieces[k] = digestOf(data + k * kPiece, n, k);
-                progress.add(n);
-            });
+        forPiecesLocked(lock, bytes, kPiece, [&](std::size_t first, std::size_t last) {
+            if (progress.cancelled()) return;
+            const std::size_t k = first / kPiece;
+            pieces[k] = digestOf(data + first, last - first, k);
+            progress.add(last - first);
         });
         progress.check();
         const std::string name = nameOf(*column, cloud);

@@ -3,13 +3,9 @@
 
 #include "core/Error.h"
 #include "core/edit/PackedValues.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
+#include "core/task/LockedLoop.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cassert>
 #include <cstring>
 #include <mutex>
@@ -71,11 +67,7 @@ void addWithColumns(PointCloud& cloud, const Attribute& attribute)
 
 }  // namespace
 
-Command::Command(std::string name) : m_name(std::move(name))
-{
-    static std::atomic<std::uint64_t> last{0};
-    m_serial = ++last;
-}
+Command::Command(std::string name) : m_name(std::move(name)) {}
 
 ValueCommand::ValueCommand(std::string name, const Attribute& attribute, std::shared_ptr<const PointSet> points,
                            std::vector<std::byte> values)
@@ -98,29 +90,24 @@ void ValueCommand::apply(PointCloud& cloud) noexcept
         const std::unique_lock lock(cloud.mutex());
         std::byte* const column = m_column->data();
         const std::size_t bytes = m_column->elementBytes();
-        // Isolated: while it waits for its helpers, this thread must not pick up work that wants the lock it holds.
-        tbb::this_task_arena::isolate([&] {
-            tbb::parallel_for(std::size_t(0), m_ranks.size() - 1, [&](std::size_t block) {
-                const std::size_t first = block * kBlockWords;
-                const std::size_t last = std::min(m_points->words().size(), first + kBlockWords);
-                std::byte* const values = m_values->data() + m_ranks[block] * bytes;
-                switch (bytes) {
-                    case 1:
-                        swapBits(*m_points, first, last, column, values, std::uint8_t(m_mask));
-                        break;
-                    case 2:
-                        swapBits(*m_points, first, last, column, values, std::uint16_t(m_mask));
-                        break;
-                    case 4:
-                        swapBits(*m_points, first, last, column, values, std::uint32_t(m_mask));
-                        break;
-                    case 8:
-                        swapBits(*m_points, first, last, column, values, m_mask);
-                        break;
-                    default:
-                        swapBytes(*m_points, first, last, column, values, bytes);
-                }
-            });
+        forPiecesLocked(lock, m_points->words().size(), kBlockWords, [&](std::size_t first, std::size_t last) {
+            std::byte* const values = m_values->data() + m_ranks[first / kBlockWords] * bytes;
+            switch (bytes) {
+                case 1:
+                    swapBits(*m_points, first, last, column, values, std::uint8_t(m_mask));
+                    break;
+                case 2:
+                    swapBits(*m_points, first, last, column, values, std::uint16_t(m_mask));
+                    break;
+                case 4:
+                    swapBits(*m_points, first, last, column, values, std::uint32_t(m_mask));
+                    break;
+                case 8:
+                    swapBits(*m_points, first, last, column, values, m_mask);
+                    break;
+                default:
+                    swapBytes(*m_points, first, last, column, values, bytes);
+            }
         });
     }
     cloud.notify(m_notice);

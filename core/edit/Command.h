@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/Identity.h"
 #include "core/cloud/PointCloud.h"
 #include "core/edit/DetachedColumns.h"
 #include "core/edit/PackedSet.h"
@@ -33,8 +34,8 @@ public:
 
     /// Shown in menus and lists: "Reclassify to 6 Building".
     const std::string& name() const noexcept { return m_name; }
-    /// No two commands of the program's run have the same; from 1 on.
-    std::uint64_t serial() const noexcept { return m_serial; }
+    /// What a journal knows it by.
+    const Identity& identity() const noexcept { return m_identity; }
     /// What it was made from, where that is known: makeCommand() sets it, a journal keeps it. Needed until the
     /// command has been done for the first time; its set is dropped then.
     const std::optional<Recipe>& recipe() const noexcept { return m_recipe; }
@@ -73,7 +74,7 @@ public:
 
 private:
     std::string m_name;
-    std::uint64_t m_serial;
+    Identity m_identity;
     std::optional<Recipe> m_recipe;
 };
 

@@ -3,10 +3,8 @@
 
 #include "core/cloud/Slabs.h"
 #include "core/las/SourceFile.h"
+#include "core/task/LockedLoop.h"
 #include "core/task/Progress.h"
-
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cstring>
@@ -40,26 +38,21 @@ std::shared_ptr<PointCloud> extracted(const PointCloud& cloud, const PointSet& w
     if (cloud.deleted()) points.remove(*cloud.deleted());
     const std::size_t words = points.words().size();
     const std::vector<PointIndex> ranks = points.ranks(kTaskWords);
-    const std::size_t tasks = ranks.size() - 1;
     const PointIndex count = ranks.back();
-    progress.begin("Taking points", cloud.columns().size() * tasks);
+    progress.begin("Taking points", cloud.columns().size() * (ranks.size() - 1));
     auto part = std::make_shared<PointCloud>(count, cloud.coordinates());
     for (const auto& from : cloud.columns()) {
         const auto to =
             part->addColumn(std::make_shared<Column>(from->name(), from->type(), count, from->components()));
         const std::size_t bytes = from->elementBytes();
-        // Isolated: while it waits for its helpers, this thread must not pick up work that wants the lock it holds.
-        tbb::this_task_arena::isolate([&] {
-            tbb::parallel_for(std::size_t(0), tasks, [&](std::size_t task) {
-                if (progress.cancelled()) return;
-                std::byte* out = to->data() + ranks[task] * bytes;
-                const std::size_t first = task * kTaskWords, last = std::min(words, first + kTaskWords);
-                points.forEachInWords(first, last, [&](PointIndex i) {
-                    std::memcpy(out, from->data() + i * bytes, bytes);
-                    out += bytes;
-                });
-                progress.add(1);
+        forPiecesLocked(lock, words, kTaskWords, [&](std::size_t first, std::size_t last) {
+            if (progress.cancelled()) return;
+            std::byte* out = to->data() + ranks[first / kTaskWords] * bytes;
+            points.forEachInWords(first, last, [&](PointIndex i) {
+                std::memcpy(out, from->data() + i * bytes, bytes);
+                out += bytes;
             });
+            progress.add(1);
         });
         progress.check();
     }

@@ -163,9 +163,9 @@ bool History::spill(Command& command) noexcept
 void History::setJournal(std::shared_ptr<Journal> journal)
 {
     const std::lock_guard lock(m_mutex);
-    std::vector<std::uint64_t> serials;
-    for (const auto& command : m_commands) serials.push_back(command->serial());
-    if (journal) journal->recognize(serials, m_done);
+    std::vector<Identity> commands;
+    for (const auto& command : m_commands) commands.push_back(command->identity());
+    if (journal) journal->recognize(commands, m_done);
     m_journal = std::move(journal);
 }
 

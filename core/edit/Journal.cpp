@@ -84,11 +84,11 @@ std::unique_ptr<Journal> Journal::resume(const std::filesystem::path& path)
     return journal;
 }
 
-void Journal::recognize(const std::vector<std::uint64_t>& history, std::size_t done) noexcept
+void Journal::recognize(const std::vector<Identity>& history, std::size_t done) noexcept
 {
     const std::lock_guard lock(m_mutex);
     if (done < m_position || history.size() - done < m_moves.size() - m_position) return;
-    for (std::size_t k = 0; k < m_moves.size(); ++k) m_moves[k].serial = history[done - m_position + k];
+    for (std::size_t k = 0; k < m_moves.size(); ++k) m_moves[k].command = history[done - m_position + k];
 }
 
 Journal::~Journal()
@@ -141,10 +141,10 @@ JournalEntry Journal::entryOf(const Command& command, Recipe recipe) const
 
 /// What is undone is forgotten, and a move follows that is told by an entry.
 template <typename MakeEntry>
-void Journal::push(std::uint64_t serial, bool forward, MakeEntry makeEntry)
+void Journal::push(const Identity& command, bool forward, MakeEntry makeEntry)
 {
     m_moves.resize(m_position);
-    Move move{serial, forward, m_gap.empty()};
+    Move move{command, forward, m_gap.empty()};
     std::string line;
     if (move.noted) {
         try {
@@ -162,7 +162,7 @@ void Journal::push(std::uint64_t serial, bool forward, MakeEntry makeEntry)
 void Journal::done(const Command& command) noexcept
 {
     guarded([&] {
-        push(command.serial(), true, [&] {
+        push(command.identity(), true, [&] {
             if (!command.recipe()) throw Error("\"" + command.name() + "\" cannot be noted in the journal.");
             return entryOf(command, *command.recipe());
         });
@@ -172,7 +172,7 @@ void Journal::done(const Command& command) noexcept
 void Journal::moved(const Command& command, const PointCloud& cloud, bool forward) noexcept
 {
     const auto is = [&](const Move& move, bool direction) {
-        return move.serial == command.serial() && move.forward == direction;
+        return move.command == command.identity() && move.forward == direction;
     };
     guarded([&] {
         if (m_position > 0 && is(m_moves[m_position - 1], !forward)) {
@@ -183,7 +183,7 @@ void Journal::moved(const Command& command, const PointCloud& cloud, bool forwar
             ++m_position;
             add("redo");
         } else {
-            push(command.serial(), forward, [&] {
+            push(command.identity(), forward, [&] {
                 JournalEntry entry = entryOf(command, literalOf(command, cloud, forward, m_kept.get()));
                 entry.name = literalName(entry.recipe);
                 return entry;

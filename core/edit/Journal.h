@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/Identity.h"
 #include "core/cloud/KeptPoints.h"
 #include "core/edit/JournalText.h"
 
@@ -9,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,9 +43,9 @@ public:
     const std::filesystem::path& path() const noexcept { return m_path; }
     /// Where create() has put one that stood in its place; empty: there was none.
     const std::filesystem::path& setAside() const noexcept { return m_setAside; }
-    /// Of one that was resumed: the commands (Command::serial()) that its entries became are the last `position` of
-    /// the history's first `done`, and those that follow.
-    void recognize(const std::vector<std::uint64_t>& history, std::size_t done) noexcept;
+    /// Of one that was resumed: the commands (Command::identity()) that its entries became are the last `position`
+    /// of the history's first `done`, and those that follow.
+    void recognize(const std::vector<Identity>& history, std::size_t done) noexcept;
 
     /// Neither throws: an edit is not refused because it cannot be noted down. What failed is told by failure().
     /// After a line that could not be written nothing is added any more, as a gap cannot be replayed; what cannot
@@ -60,7 +62,7 @@ public:
 private:
     /// A command that was done or undone since the journal began.
     struct Move {
-        std::uint64_t serial = 0;
+        std::optional<Identity> command;  ///< nothing: an entry that was read, until it is recognized
         bool forward = true;
         bool noted = true;  ///< has a line
     };
@@ -69,7 +71,7 @@ private:
     void add(const std::string& line);
     JournalEntry entryOf(const Command& command, Recipe recipe) const;
     template <typename MakeEntry>
-    void push(std::uint64_t serial, bool forward, MakeEntry makeEntry);
+    void push(const Identity& command, bool forward, MakeEntry makeEntry);
     template <typename Work>
     void guarded(Work work) noexcept;
 

@@ -4,10 +4,7 @@
 #include "core/Error.h"
 #include "core/las/ExtraBytes.h"
 #include "core/las/SourceFile.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
+#include "core/task/LockedLoop.h"
 
 #include <algorithm>
 #include <cstring>
@@ -22,8 +19,8 @@ namespace
 constexpr std::size_t kRecordSize = 156;  ///< 8 bytes of LASzip's, then the LAS 1.4 header from byte 227 on
 constexpr std::size_t kCountAt = 8 + at::kPointCount.offset - at::kWaveformStart.offset;
 constexpr std::size_t kByReturnAt = 8 + at::kByReturn.offset - at::kWaveformStart.offset;
-constexpr float kAngleStep = 0.006f;  ///< LASzip computes in floats, and so do we
-constexpr PointIndex kGrain = 1 << 16;
+constexpr float kAngleStep = 0.006f;     ///< LASzip computes in floats, and so do we
+constexpr std::size_t kPiece = 1 << 16;  ///< points that one task takes
 
 /// Fields of a record in compatibility mode.
 struct Stored {
@@ -270,21 +267,17 @@ void storeCompatible(const PointCloud& cloud)
         from[k] = column(layout.derived[k]);
         if (from[k] == nullptr) return;
     }
-    // Isolated: while it waits for its helpers, this thread must not pick up work that wants the lock it holds.
-    tbb::this_task_arena::isolate([&] {
-        tbb::parallel_for(tbb::blocked_range<PointIndex>(0, cloud.size(), kGrain),
-                          [&](const tbb::blocked_range<PointIndex>& r) {
-                              for (PointIndex i = r.begin(); i != r.end(); ++i) {
-                                  Meant m;
-                                  std::memcpy(&m.returns, from[0] + i, 1);
-                                  std::memcpy(&m.flags, from[1] + i, 1);
-                                  std::memcpy(&m.classification, from[2] + i, 1);
-                                  std::memcpy(&m.angle, from[3] + 2 * i, 2);
-                                  Stored s = places.get(std::size_t(i));
-                                  encode(m, s);
-                                  places.put(std::size_t(i), s);
-                              }
-                          });
+    forPiecesLocked(lock, cloud.size(), kPiece, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i != last; ++i) {
+            Meant m;
+            std::memcpy(&m.returns, from[0] + i, 1);
+            std::memcpy(&m.flags, from[1] + i, 1);
+            std::memcpy(&m.classification, from[2] + i, 1);
+            std::memcpy(&m.angle, from[3] + 2 * i, 2);
+            Stored s = places.get(i);
+            encode(m, s);
+            places.put(i, s);
+        }
     });
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "core/measure/Nearest.h"
 
+#include "core/task/LockedLoop.h"
 #include "core/task/Progress.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -54,8 +54,7 @@ std::vector<NearPoint> nearestTo(const PointCloud& cloud, PointIndex point, std:
     const PointSet* const deleted = cloud.deleted().get();
     const glm::dvec3 unit = cloud.coordinates().scale * stretch;
     const std::array<double, 3> from{double(raw[0][point]), double(raw[1][point]), double(raw[2][point])};
-    // Isolated: while it waits for its helpers, this thread must not pick up work that wants the lock it holds.
-    Best best = tbb::this_task_arena::isolate([&] {
+    Best best = runLocked(lock, [&] {
         return tbb::parallel_reduce(
             tbb::blocked_range<PointIndex>(0, cloud.size(), kGrain), Best{count, {}},
             [&](const tbb::blocked_range<PointIndex>& range, Best nearest) {

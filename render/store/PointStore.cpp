@@ -41,12 +41,6 @@ PointIndex samplePoint(PointRange range, PointIndex i)
     return range.first + PointIndex((at - std::floor(at)) * double(range.size()));
 }
 
-std::uint64_t nextId() noexcept
-{
-    static std::atomic<std::uint64_t> last{0};
-    return last.fetch_add(1, std::memory_order_relaxed) + 1;
-}
-
 }  // namespace
 
 std::string firstAttribute(const PointCloud& cloud, PointRange range)
@@ -69,8 +63,7 @@ std::string firstAttribute(const PointCloud& cloud, PointRange range)
 }
 
 PointStore::PointStore(std::shared_ptr<const PointCloud> cloud, const RawBounds& firstBounds, OrderKind order)
-    : m_id(nextId()),
-      m_cloud(std::move(cloud)),
+    : m_cloud(std::move(cloud)),
       m_order(order, m_cloud->size()),
       m_bounds(firstBounds),
       m_frame(LocalFrame::around(firstBounds)),

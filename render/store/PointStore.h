@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/Identity.h"
 #include "core/cloud/PointCloud.h"
 #include "core/edit/Preview.h"
 #include "render/order/SlotOrder.h"
@@ -36,8 +37,8 @@ public:
                OrderKind order = OrderKind::Stratified);
     ~PointStore();
 
-    /// No other store of this process has it, or had it: an address may come again, this does not.
-    std::uint64_t id() const noexcept { return m_id; }
+    /// What a copy on a graphics card knows it by.
+    const Identity& identity() const noexcept { return m_identity; }
     const PointCloud& cloud() const noexcept { return *m_cloud; }
     const SlotOrder& order() const noexcept { return m_order; }
     const LocalFrame& frame() const noexcept { return m_frame; }
@@ -120,7 +121,7 @@ private:
     void put(PointRange range, const AttributeEncoder& encoder, bool positions);
     void bumpVersions(PointRange range, bool positions) noexcept;
 
-    std::uint64_t m_id;
+    Identity m_identity;
     std::shared_ptr<const PointCloud> m_cloud;
     SlotOrder m_order;
     RawBounds m_bounds;

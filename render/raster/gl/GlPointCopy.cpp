@@ -30,7 +30,7 @@ std::uint32_t versionOf(const PointStore& store, GlPointCopy::Part part, Slot bl
 
 GlPointCopy::GlPointCopy(const PointStore& store, Slot chunkSlots, GlTraffic& traffic)
     : m_traffic(&traffic),
-      m_store(store.id()),
+      m_store(store.identity()),
       m_slots(store.slotCount()),
       m_chunkSlots(chunkSlots),
       m_chunkBlocks(chunkSlots / kBlockSlots),
@@ -51,7 +51,7 @@ GlPointCopy::GlPointCopy(const PointStore& store, Slot chunkSlots, GlTraffic& tr
 bool GlPointCopy::matches(const PointStore& store) const noexcept
 {
     const LocalFrame& frame = store.frame();
-    return store.id() == m_store && frame.origin == m_frame.origin && frame.shift == m_frame.shift;
+    return store.identity() == m_store && frame.origin == m_frame.origin && frame.shift == m_frame.shift;
 }
 
 std::vector<std::uint32_t>& GlPointCopy::versions(Part part) noexcept

@@ -70,8 +70,8 @@ private:
     /// Consecutive blocks of one chunk.
     void put(const PointStore& store, Part part, Slot firstBlock, Slot lastBlock);
 
-    GlTraffic* m_traffic;   ///< never null
-    std::uint64_t m_store;  ///< PointStore::id()
+    GlTraffic* m_traffic;  ///< never null
+    Identity m_store;      ///< PointStore::identity()
     Slot m_slots;
     Slot m_chunkSlots, m_chunkBlocks;
     LocalFrame m_frame;
