@@ -215,7 +215,7 @@ private:
         Node node = numberNode(toDouble(s.number), s.byte);
         if (std::holds_alternative<double>(s.number)) return node;
         const Int128 exact = std::visit([](auto v) { return Int128(v); }, s.number);
-        if (exact > (Int128(1) << 53)) {
+        if (exact > (Int128(1) << 53) || exact < -(Int128(1) << 53)) {
             node.type = Type::Wide;
             node.wide = exact;
         }
@@ -370,7 +370,10 @@ private:
             return;
         }
         const std::size_t byte = node.byte;
-        node = toWide(applied(*findFunction(low ? "ceil" : "floor"), byte, list(std::move(node))));
+        node = applied(*findFunction(low ? "ceil" : "floor"), byte, list(std::move(node)));
+        // What is larger than any wide integer, infinity as well, is a bound all the same.
+        node = extreme(Op::Maximum, byte, std::move(node), numberNode(-0x1p100, byte));
+        node = toWide(extreme(Op::Minimum, byte, std::move(node), numberNode(0x1p100, byte)));
     }
 
     /// The attribute when the node is one of scaled integers, whose steps are taken for what is displayed.

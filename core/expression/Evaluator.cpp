@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "core/expression/FieldRange.h"
 #include "core/expression/Program.h"
 
 #include <algorithm>
@@ -80,8 +81,17 @@ void loadWide(const Attribute& a, PointRange points, Int128* out)
     const T* const values = a.columns[0]->values<T>().data() + points.first;
     const auto n = std::size_t(points.size());
     for (std::size_t k = 0; k < n; ++k) out[k] = values[k];
-    if (!a.noData || std::holds_alternative<double>(*a.noData)) return;
-    const Int128 none = std::visit([](auto v) { return Int128(v); }, *a.noData);
+    if (!a.noData) return;
+    const double real = toDouble(*a.noData);
+    if (std::holds_alternative<double>(*a.noData) && real != std::floor(real)) return;
+    const Int128 none = std::visit(
+        [](auto v) {
+            if constexpr (std::is_floating_point_v<decltype(v)>)
+                return toWideInteger(v);
+            else
+                return Int128(v);
+        },
+        *a.noData);
     for (std::size_t k = 0; k < n; ++k)
         if (out[k] == none) out[k] = kNone;
 }
@@ -307,9 +317,28 @@ void Evaluator::value(const Node& node, PointRange points, Int128* out)
     combine(out, block.get(), [op = node.op](Int128 a, Int128 b) { return computed(op, a, b); });
 }
 
+/// The attribute whose stored values are the node's; null where they have to be computed.
+const Attribute* Evaluator::stored(const Node& node) const
+{
+    if (node.op != Op::Load && node.op != Op::LoadRaw) return nullptr;
+    const Attribute& a = m_attributes[node.attribute];
+    return a.columns[0]->components() == 1 && (node.op == Op::LoadRaw || !a.scaled) ? &a : nullptr;
+}
+
 void Evaluator::compare(const Node& node, PointRange points, std::uint8_t* out)
 {
     const Node &left = node.children[0], &right = node.children[1];
+    if (const Attribute* const field = stored(left); field != nullptr && isConstant(right)) {
+        std::fill_n(out, kBlockPoints, std::uint8_t(0));
+        if (right.type == Type::Wide)
+            addInRange(*field, points, rangeOf(node.op, right.wide), out);
+        else
+            addInRange(*field, points, rangeOf(node.op, right.number), out);
+        // no value is like NaN: it differs from everything
+        if (node.op == Op::Unequal)
+            for (std::size_t k = 0; k < kBlockPoints; ++k) out[k] ^= 1;
+        return;
+    }
     if (left.type == Type::Number) {
         const Block<double> a(*m_blocks);
         value(left, points, a.get());
@@ -354,6 +383,13 @@ template <typename T>
 void Evaluator::within(const Node& node, PointRange points, std::uint8_t* out)
 {
     std::fill_n(out, kBlockPoints, std::uint8_t(0));
+    const Attribute* const field = stored(node.children[0]);
+    if (field != nullptr && std::all_of(node.children.begin() + 1, node.children.end(), isConstant)) {
+        for (std::size_t c = 1; c + 1 < node.children.size(); c += 2)
+            addInRange(*field, points,
+                       Range<T>{constantOf<T>(node.children[c]), constantOf<T>(node.children[c + 1])}, out);
+        return;
+    }
     const Block<T> subject(*m_blocks), low(*m_blocks), high(*m_blocks);
     const T* const values = subject.get();
     value(node.children[0], points, subject.get());

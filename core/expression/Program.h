@@ -105,6 +105,7 @@ private:
     class Block;
     struct Blocks;
 
+    const Attribute* stored(const Node& node) const;
     void arithmetic(const Node& node, PointRange points, double* out);
     void compare(const Node& node, PointRange points, std::uint8_t* out);
     template <typename T>

@@ -54,10 +54,31 @@ void append(PointRange block, const std::uint8_t* chosen, const T* raw, PointSet
     std::size_t at = values.size();
     if (values.capacity() < at + count * sizeof(T)) values.reserve(2 * (at + count * sizeof(T)));
     values.resize(at + count * sizeof(T));
-    points.forEachInWords(std::size_t(block.first / 64), std::size_t((block.last + 63) / 64), [&](PointIndex i) {
-        std::memcpy(values.data() + at, raw + (i - block.first), sizeof(T));
-        at += sizeof(T);
-    });
+    for (PointIndex first = block.first; first < block.last; first += 64) {
+        const auto word = std::size_t(first / 64);
+        const T* const from = raw + (first - block.first);
+        if (points.words()[word] == ~std::uint64_t(0)) {
+            std::memcpy(values.data() + at, from, 64 * sizeof(T));
+            at += 64 * sizeof(T);
+            continue;
+        }
+        points.forEachInWords(word, word + 1, [&](PointIndex i) {
+            std::memcpy(values.data() + at, from + (i - first), sizeof(T));
+            at += sizeof(T);
+        });
+    }
+}
+
+/// The element that some of the parts hold, so many times.
+std::vector<std::byte> repeated(const std::vector<std::vector<std::byte>>& parts, PointIndex count)
+{
+    const auto holds = [](const auto& part) { return !part.empty(); };
+    const std::vector<std::byte>& element = *std::find_if(parts.begin(), parts.end(), holds);
+    if (element.size() == 1) return std::vector<std::byte>(count, element[0]);
+    std::vector<std::byte> all(count * element.size());
+    for (std::size_t at = 0; at < all.size(); at += element.size())
+        std::memcpy(all.data() + at, element.data(), element.size());
+    return all;
 }
 
 bool isCoordinate(const Attribute& a)
@@ -101,6 +122,9 @@ public:
 
     Attribute target;
 
+    /// All points that change get the same value.
+    bool oneValue() const { return m_cases.size() == 1 && m_cases.front().value.op == Node::Op::Constant; }
+
     template <typename T>
     std::unique_ptr<Task<T>> makeTask() const
     {
@@ -143,8 +167,27 @@ std::string commandName(const std::string& text)
 
 }  // namespace
 
-Rule::Rule(std::string_view text) : m_text(text), m_rule(std::make_shared<const Assignment>(parseAssignment(text)))
+Rule::Rule(std::string_view text)
+    : m_text(text), m_title(commandName(m_text)), m_rule(std::make_shared<const Assignment>(parseAssignment(text)))
 {
+}
+
+Rule::Rule(std::string title, Assignment rule)
+    : m_text(title), m_title(std::move(title)), m_rule(std::make_shared<const Assignment>(std::move(rule)))
+{
+}
+
+Rule Rule::inRange(std::string title, std::string target, Value value, std::string attribute, Value low, Value high)
+{
+    const auto number = [](Value v) { return Syntax{.kind = Syntax::Kind::Number, .number = v}; };
+    Syntax range{.kind = Syntax::Kind::In};
+    range.children.push_back({.kind = Syntax::Kind::Name, .text = std::move(attribute), .quoted = true});
+    range.children.push_back(number(low));
+    range.children.push_back(number(high));
+    Assignment rule;
+    rule.target = std::move(target);
+    rule.cases.push_back({.value = number(value), .condition = {std::move(range)}});
+    return {std::move(title), std::move(rule)};
 }
 
 const std::string& Rule::target() const noexcept
@@ -159,27 +202,36 @@ std::unique_ptr<Command> Rule::run(const PointCloud& cloud, const PointSet* with
     progress.begin("Setting " + target.name, cloud.size());
     auto points = std::make_shared<PointSet>(cloud.size());
     const std::size_t tasks = (points->words().size() + kTaskWords - 1) / kTaskWords;
-    std::vector<std::vector<std::byte>> values(tasks);
+    std::vector<std::vector<std::byte>> values(tasks);  // of one value: an element at most
+    const bool one = bound.oneValue();
     evaluate(bound, cloud, progress, [&](auto& task, std::size_t first, std::size_t last) {
         using T = typename std::decay_t<decltype(task)>::Value;
         std::vector<std::byte>& mine = values[first / kTaskWords];
         task.run(first, last, cloud.size(), target.columns[0]->template values<T>().data(),
                  [&](PointRange block, const std::uint8_t* chosen, const T* raw) {
-                     append(block, chosen, raw, *points, mine);
+                     if (!one) return append(block, chosen, raw, *points, mine);
+                     take(block, chosen, *points);
+                     if (!mine.empty()) return;
+                     const auto* const at = std::find(chosen, chosen + block.size(), std::uint8_t(1));
+                     mine.resize(sizeof(T));
+                     std::memcpy(mine.data(), raw + (at - chosen), sizeof(T));
                  });
     });
     std::size_t bytes = 0;
     for (const auto& part : values) bytes += part.size();
     if (bytes == 0) return nullptr;
-    std::vector<std::byte> all;
-    all.reserve(bytes);
+    if (one && isClassByte(target)) {
+        const auto code = std::uint32_t(repeated(values, 1).front());
+        return makeClassCommand(m_title, target, std::move(points), code);
+    }
+    std::vector<std::byte> all = one ? repeated(values, points->count()) : std::vector<std::byte>();
+    if (!one) all.reserve(bytes);
     for (auto& part : values) {
-        all.insert(all.end(), part.begin(), part.end());
+        if (!one) all.insert(all.end(), part.begin(), part.end());
         part = {};
     }
-    if (isClassByte(target))
-        return makeClassCommand(commandName(m_text), target, std::move(points), std::move(all));
-    return std::make_unique<ValueCommand>(commandName(m_text), target, std::move(points), std::move(all));
+    if (isClassByte(target)) return makeClassCommand(m_title, target, std::move(points), std::move(all));
+    return std::make_unique<ValueCommand>(m_title, target, std::move(points), std::move(all));
 }
 
 std::unique_ptr<Preview> Rule::preview(const PointCloud& cloud, const PointSet* within, Progress& progress) const

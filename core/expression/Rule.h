@@ -26,6 +26,11 @@ public:
     /// Throws ExpressionError when the text is no rule, whatever the cloud.
     explicit Rule(std::string_view text);
 
+    /// The rule `target = value if attribute in low..high`, both ends included, whatever the attribute's name and
+    /// the numbers; infinite ones are no bounds. Its command is called `title`.
+    static Rule inRange(std::string title, std::string target, Value value, std::string attribute, Value low,
+                        Value high);
+
     const std::string& text() const noexcept { return m_text; }
     const std::string& target() const noexcept;
 
@@ -43,7 +48,10 @@ public:
                                  Progress& progress) const;
 
 private:
+    Rule(std::string title, Assignment rule);
+
     std::string m_text;
+    std::string m_title;  ///< of the command
     std::shared_ptr<const Assignment> m_rule;
 };
 

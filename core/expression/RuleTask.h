@@ -180,59 +180,85 @@ private:
                 m_evaluator.condition(*one.condition, points, m_flags.data());
             else
                 m_flags.fill(1);
-            unsigned any = 0;
+            if (!any(m_flags)) continue;
+            m_touched = true;
             for (std::size_t k = 0; k < kBlockPoints; ++k) {
                 m_flags[k] &= m_left[k];
                 m_left[k] ^= m_flags[k];
-                any |= m_flags[k];
             }
-            if (any != 0) assign(one.value, points);
+            assign(one.value, points);
         }
+        if (!m_touched || !any(m_chosen)) return false;
+        if (current == nullptr) return true;
         const T mask = bits();
-        if (current != nullptr)
-            for (std::size_t k = 0; k < points.size(); ++k)
-                m_chosen[k] &= std::uint8_t(differs(current[points.first + k], m_raw[k], mask));
-        return std::find(m_chosen.begin(), m_chosen.end(), std::uint8_t(1)) != m_chosen.end();
+        for (std::size_t k = 0; k < points.size(); ++k)
+            m_chosen[k] &= std::uint8_t(differs(current[points.first + k], m_raw[k], mask));
+        return any(m_chosen);
+    }
+
+    using Flags = std::array<std::uint8_t, kBlockPoints>;
+
+    /// Eight flags at a time.
+    static bool any(const Flags& flags)
+    {
+        std::uint64_t all = 0;
+        for (std::size_t k = 0; k < kBlockPoints; k += sizeof all) {
+            std::uint64_t eight;
+            std::memcpy(&eight, flags.data() + k, sizeof eight);
+            all |= eight;
+        }
+        return all != 0;
     }
 
     /// No point has been decided; only those within may be. False when there are none.
     bool begin(PointRange points)
     {
+        const bool whole = points.size() == kBlockPoints;
+        if (m_within == nullptr && whole && !m_touched) return true;  // as the last block has left them
+        m_touched = !whole;
         m_chosen.fill(0);
         if (m_within == nullptr) {
             m_left.fill(1);
         } else {
+            m_touched = true;
             m_left.fill(0);
             const std::size_t word = std::size_t(points.first / 64);
             m_within->forEachInWords(word, word + std::size_t((points.size() + 63) / 64),
                                      [&](PointIndex i) { m_left[std::size_t(i - points.first)] = 1; });
         }
         std::fill(m_left.begin() + std::ptrdiff_t(points.size()), m_left.end(), std::uint8_t(0));
-        return std::find(m_left.begin(), m_left.end(), std::uint8_t(1)) != m_left.end();
+        return any(m_left);
     }
 
     void assign(const Node& value, PointRange points)
     {
+        if (value.op == Node::Op::Constant && takeConstant(value)) return;
         if (value.type == Node::Type::Wide) {
             m_evaluator.value(value, points, m_wides.data());
-            take(value, points, m_wides.data());
+            take(points, m_wides.data());
         } else {
             m_evaluator.value(value, points, m_numbers.data());
-            take(value, points, m_numbers.data());
+            take(points, m_numbers.data());
         }
+    }
+
+    /// Takes one value for all points whose flag is set; false when it does not fit.
+    bool takeConstant(const Node& value)
+    {
+        T raw{};
+        const auto fit = value.type == Node::Type::Wide ? convert(value.wide, raw) : convert(value.number, raw);
+        if (fit != Target<T>::Fit::Yes) return false;
+        for (std::size_t k = 0; k < kBlockPoints; ++k) {
+            m_raw[k] = m_flags[k] ? raw : m_raw[k];
+            m_chosen[k] |= m_flags[k];
+        }
+        return true;
     }
 
     /// Takes the values of the points whose flag is set.
     template <typename V>
-    void take(const Node& value, PointRange points, const V* values)
+    void take(PointRange points, const V* values)
     {
-        if (T raw{}; value.op == Node::Op::Constant && convert(values[0], raw) == Target<T>::Fit::Yes) {
-            for (std::size_t k = 0; k < kBlockPoints; ++k) {
-                m_raw[k] = m_flags[k] ? raw : m_raw[k];
-                m_chosen[k] |= m_flags[k];
-            }
-            return;
-        }
         for (std::size_t k = 0; k < points.size(); ++k) {
             if (!m_flags[k]) continue;
             switch (convert(values[k], m_raw[k])) {
@@ -269,7 +295,8 @@ private:
     Target<T> m_convert;
     const PointSet* m_within;
     Evaluator m_evaluator;
-    std::array<std::uint8_t, kBlockPoints> m_left{}, m_flags{}, m_chosen{};
+    Flags m_left{}, m_flags{}, m_chosen{};
+    bool m_touched = true;  ///< m_left and m_chosen are not as begin() makes them of a whole block
     std::array<double, kBlockPoints> m_numbers{};
     std::array<Int128, kBlockPoints> m_wides{};
     std::array<T, kBlockPoints> m_raw{};

@@ -28,18 +28,18 @@ struct Syntax {
     };
     Kind kind = Kind::Number;
     std::size_t byte = 0;  ///< where in the text it begins; of a sign: the sign
-    std::string text;
+    std::string text{};
     Value number = 0.0;
     bool quoted = false;  ///< a name in quotation marks
-    std::vector<Syntax> children;
+    std::vector<Syntax> children{};
 };
 
 /// Target = value if condition else value if condition else value: the first condition that holds decides.
 struct Assignment {
     struct Case {
         Syntax value;
-        std::vector<Syntax> condition;  ///< one, or none: all points that are left
-        std::size_t conditionByte = 0;  ///< where in the text it begins
+        std::vector<Syntax> condition{};  ///< one, or none: all points that are left
+        std::size_t conditionByte = 0;    ///< where in the text it begins
     };
     std::string target;
     std::size_t targetByte = 0;

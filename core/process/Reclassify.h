@@ -3,14 +3,16 @@
 
 #include "core/process/Step.h"
 
-namespace punctum {
+namespace punctum
+{
 
 /// reclassify attribute=NAME min=A max=B class=C: the class of all points whose value lies from A to B.
 ///
-/// The range includes its ends; no-data and NaN are never in it. Whole numbers are compared exactly; bounds of
-/// scaled integers (Z, scan angle) are taken to the nearest step when they are within a millionth of it, so that
-/// max=410.5 includes what the file stores as 41050.
-class ReclassifyStep final : public Step {
+/// A rule (expression::Rule) with a form of its own. The range includes its ends; no-data and NaN are never in it.
+/// Whole numbers are compared exactly; bounds of scaled integers (Z, scan angle) are taken to the nearest step when
+/// they are within a millionth of it, so that max=410.5 includes what the file stores as 41050.
+class ReclassifyStep final : public Step
+{
 public:
     std::string name() const override { return "reclassify"; }
     std::string title() const override { return "Reclassify"; }

@@ -169,6 +169,7 @@ class ExpressionTest : public QObject
 private slots:
     void conditionsHoldWhereTheyDoInCpp();
     void randomConditionsToo();
+    void storedValuesAreComparedExactly();
     void wholeNumbersOf64BitsAreExact();
     void decimalsMeanTheStepsOfScaledAttributes();
     void refusals_data();
@@ -250,6 +251,78 @@ void ExpressionTest::randomConditionsToo()
         for (PointIndex i = 0; i < kPoints; i += i < 2000 ? 1 : 97)
             if (points.contains(i) != truth.of(i)) QFAIL((truth.text + " at " + std::to_string(i)).c_str());
     }
+}
+
+/// A field of wild values, with one that stands for none, against constants at and beyond the ends of its type.
+template <typename T>
+void compareStored(const char* name)
+{
+    using Limits = std::numeric_limits<T>;
+    constexpr PointIndex kCount = 2100;  // two whole blocks and a part of one
+    const auto cloud = makeFrame(kCount);
+    const auto values = addScalar<T>(*cloud, "Value");
+    Attribute attribute = *cloud->findAttribute("Value");
+    attribute.noData = std::is_floating_point_v<T> ? Value(12.0) : Value(std::int64_t(12));
+    cloud->replaceAttribute(attribute);
+    for (PointIndex i = 0; i < kCount; ++i) {
+        values[i] = T(double(i % 29) - (std::is_signed_v<T> ? 14 : 0));
+        if (i % 31 == 0) values[i] = Limits::max();
+        if (i % 37 == 0) values[i] = Limits::lowest();
+        if constexpr (std::is_floating_point_v<T>)
+            if (i % 41 == 0) values[i] = Limits::quiet_NaN();
+    }
+    using Real = long double;  // 64 bits of mantissa: every value here is exact
+    const std::pair<const char*, Real> constants[] = {
+        {"12", 12},  // none
+        {"13", 13},
+        {"2.5", 2.5L},
+        {"-3", -3},
+        {"255", 255},
+        {"127", 127},
+        {"-1e30", Real(-1e30)},
+        {"1e30", Real(1e30)},
+        {"9223372036854775807", Real(std::numeric_limits<std::int64_t>::max())},
+        {"1152921504606846976.0", Real(0x1p60)},
+        {"18446744073709551615", Real(std::numeric_limits<std::uint64_t>::max())}};
+    const std::pair<const char*, bool (*)(Real, Real)> signs[] = {
+        {"<", [](Real a, Real b) { return a < b; }},   {"<=", [](Real a, Real b) { return a <= b; }},
+        {">", [](Real a, Real b) { return a > b; }},   {">=", [](Real a, Real b) { return a >= b; }},
+        {"==", [](Real a, Real b) { return a == b; }}, {"!=", [](Real a, Real b) { return a != b; }}};
+    Progress progress;
+    for (const auto& [text, constant] : constants)
+        for (const auto& [sign, holds] : signs) {
+            const std::string condition = std::string("Value ") + sign + " " + text;
+            const auto points = select(*cloud, Condition(condition, *cloud), progress);
+            for (PointIndex i = 0; i < kCount; ++i) {
+                const bool none = values[i] == T(12) || values[i] != values[i];
+                // of a float, constants are doubles
+                const Real other = std::is_floating_point_v<T> ? Real(double(constant)) : constant;
+                const bool expected = none ? std::string(sign) == "!=" : holds(Real(values[i]), other);
+                QVERIFY2(points->contains(i) == expected,
+                         qPrintable(QStringLiteral("%1: %2, point %3")
+                                        .arg(QLatin1String(name), QString::fromStdString(condition))
+                                        .arg(i)));
+            }
+        }
+}
+
+void ExpressionTest::storedValuesAreComparedExactly()
+{
+    compareStored<std::uint8_t>("u8");
+    compareStored<std::int8_t>("i8");
+    compareStored<std::uint16_t>("u16");
+    compareStored<std::int32_t>("i32");
+    compareStored<std::uint64_t>("u64");
+    compareStored<std::int64_t>("i64");
+    compareStored<float>("f32");
+    compareStored<double>("f64");
+    // beyond any integer, a bound is a bound all the same
+    const auto cloud = makeFrame(100);
+    const auto ids = addScalar<std::uint64_t>(*cloud, "Id");
+    for (PointIndex i = 0; i < 100; ++i) ids[i] = i;
+    Progress progress;
+    QCOMPARE(select(*cloud, Condition("Id between -1e300 and 49", *cloud), progress)->count(), PointIndex(50));
+    QCOMPARE(select(*cloud, Condition("Id between 50 and 1e300", *cloud), progress)->count(), PointIndex(50));
 }
 
 void ExpressionTest::wholeNumbersOf64BitsAreExact()
