@@ -74,7 +74,7 @@ Json jsonOfSteps()
                                   {"max", p.max},
                                   {"optional", p.optional},
                                   {"choices", p.choices},
-                                  {"unit", p.inCoordinateUnits ? "coordinates" : ""}});
+                                  {"unit", p.unit == StepParameter::Unit::Length ? "length" : ""}});
         all.push_back(
             {{"name", step->name()}, {"title", step->title()}, {"help", step->help()}, {"parameters", parameters}});
     }
@@ -91,7 +91,8 @@ std::string textOfSteps()
             key.resize(std::max<std::size_t>(key.size() + 2, 28), ' ');
             text += key + p.help;
             if (!p.choices.empty()) text += " One of " + joined(p.choices) + ".";
-            if (p.inCoordinateUnits) text += " In the units of the coordinates.";
+            if (p.unit == StepParameter::Unit::Length)
+                text += " In the unit of X and Y; in meters where these are degrees.";
             if (!p.preset.empty())
                 text += " Default: " + p.preset + ".";
             else

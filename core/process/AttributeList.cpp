@@ -16,13 +16,11 @@ namespace
 
 StepParameter attributeParameter(const std::string& help)
 {
-    StepParameter p;
-    p.key = "attribute";
-    p.label = "Attribute";
-    p.help = help;
-    p.type = StepParameter::Type::AttributeName;
-    p.ownOnly = true;
-    return p;
+    return {.key = "attribute",
+            .label = "Attribute",
+            .help = help,
+            .type = StepParameter::Type::AttributeName,
+            .ownOnly = true};
 }
 
 /// Hold cloud.mutex() shared. Throws Error.
@@ -43,13 +41,8 @@ std::string RenameStep::help() const
 
 std::vector<StepParameter> RenameStep::parameters() const
 {
-    std::vector<StepParameter> p{attributeParameter("The attribute that gets another name.")};
-    p.emplace_back();
-    p[1].key = "to";
-    p[1].label = "New name";
-    p[1].help = "Up to 32 bytes.";
-    p[1].type = StepParameter::Type::Text;
-    return p;
+    return {attributeParameter("The attribute that gets another name."),
+            {.key = "to", .label = "New name", .help = "Up to 32 bytes.", .type = StepParameter::Type::Text}};
 }
 
 std::unique_ptr<Command> RenameStep::run(const PointCloud& cloud, const StepValues& values, Progress&) const

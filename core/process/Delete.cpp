@@ -31,12 +31,10 @@ std::string DeleteStep::help() const
 
 std::vector<StepParameter> DeleteStep::parameters() const
 {
-    std::vector<StepParameter> p(1);
-    p[0].key = "where";
-    p[0].label = "Condition";
-    p[0].help = "Which points, such as Classification == 7 or Z > 120; the user guide tells the language.";
-    p[0].type = StepParameter::Type::Condition;
-    return p;
+    return {{.key = "where",
+             .label = "Condition",
+             .help = "Which points, such as Classification == 7 or Z > 120; the user guide tells the language.",
+             .type = StepParameter::Type::Condition}};
 }
 
 std::unique_ptr<Command> DeleteStep::run(const PointCloud& cloud, const StepValues& values,

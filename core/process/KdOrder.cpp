@@ -13,9 +13,11 @@
 #include <cmath>
 #include <mutex>
 
-namespace punctum {
+namespace punctum
+{
 
-namespace {
+namespace
+{
 
 constexpr std::size_t kLeafPoints = 192;         ///< aimed at; measured best between searching and sorting
 constexpr std::size_t kSamplesPerLeaf = 16;      ///< medians are then good to a few leaves in a hundred

@@ -85,23 +85,20 @@ std::string NormalsStep::help() const
 
 std::vector<StepParameter> NormalsStep::parameters() const
 {
-    std::vector<StepParameter> p(2);
-    p[0].key = "k";
-    p[0].label = "Neighbors";
-    p[0].help = "How many nearest points the plane is fitted to, the point itself among them.";
-    p[0].type = StepParameter::Type::Integer;
-    p[0].preset = "16";
-    p[0].min = 3;
-    p[0].max = 1000;
-    p[1].key = "radius";
-    p[1].label = "Radius";
-    p[1].help = "Use all points within this distance instead of k nearest ones.";
-    p[1].type = StepParameter::Type::Real;
-    p[1].min = 1e-9;
-    p[1].max = 1e9;
-    p[1].optional = true;
-    p[1].inCoordinateUnits = true;
-    return p;
+    return {{.key = "k",
+             .label = "Neighbors",
+             .help = "How many nearest points the plane is fitted to, the point itself among them.",
+             .type = StepParameter::Type::Integer,
+             .preset = "16",
+             .min = 3,
+             .max = 1000},
+            {.key = "radius",
+             .label = "Radius",
+             .help = "Use all points within this distance instead of k nearest ones.",
+             .min = 1e-9,
+             .max = 1e9,
+             .optional = true,
+             .unit = StepParameter::Unit::Length}};
 }
 
 std::unique_ptr<Command> NormalsStep::run(const PointCloud& cloud, const StepValues& values,

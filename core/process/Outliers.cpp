@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "core/process/Outliers.h"
 
+#include "core/cloud/Slabs.h"
 #include "core/edit/ClassCommand.h"
 #include "core/process/Neighbors.h"
 #include "core/process/Values.h"
 #include "core/task/Progress.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,8 +19,7 @@ namespace punctum
 namespace
 {
 
-constexpr std::size_t kBlock = 1 << 16;     ///< points; whole words of a PointSet
-constexpr std::size_t kSlab = kBlock * 32;  ///< points read under one lock
+constexpr std::size_t kBlock = 1 << 16;  ///< points whose distances are added by one task
 
 struct Sums {
     double sum = 0, squares = 0;
@@ -55,33 +54,30 @@ Sums sumUp(const std::vector<float>& distances, const Progress& progress)
 std::string OutliersStep::help() const
 {
     return "Classifies points whose mean distance to their neighbors is unusually large (PCL's statistical "
-           "outlier "
-           "removal, Rusu et al. 2008).";
+           "outlier removal, Rusu et al. 2008).";
 }
 
 std::vector<StepParameter> OutliersStep::parameters() const
 {
     using Type = StepParameter::Type;
-    std::vector<StepParameter> p(3);
-    p[0].key = "k";
-    p[0].label = "Neighbors";
-    p[0].help = "How many nearest points the mean distance is taken of, not counting the point itself.";
-    p[0].type = Type::Integer;
-    p[0].preset = "8";
-    p[0].min = 1;
-    p[0].max = 1000;
-    p[1].key = "deviations";
-    p[1].label = "Deviations";
-    p[1].help = "How many standard deviations above the mean a point is an outlier.";
-    p[1].preset = "1.0";
-    p[1].min = 0;
-    p[1].max = 100;
-    p[2].key = "class";
-    p[2].label = "Class";
-    p[2].help = "The class outliers get.";
-    p[2].type = Type::ClassCode;
-    p[2].preset = "7";
-    return p;
+    return {{.key = "k",
+             .label = "Neighbors",
+             .help = "How many nearest points the mean distance is taken of, not counting the point itself.",
+             .type = Type::Integer,
+             .preset = "8",
+             .min = 1,
+             .max = 1000},
+            {.key = "deviations",
+             .label = "Deviations",
+             .help = "How many standard deviations above the mean a point is an outlier.",
+             .preset = "3",
+             .min = 0,
+             .max = 100},
+            {.key = "class",
+             .label = "Class",
+             .help = "The class outliers get.",
+             .type = Type::ClassCode,
+             .preset = "7"}};
 }
 
 std::unique_ptr<Command> OutliersStep::run(const PointCloud& cloud, const StepValues& values,
@@ -116,18 +112,12 @@ std::unique_ptr<Command> OutliersStep::run(const PointCloud& cloud, const StepVa
     const auto mask = std::uint8_t(classes.maxBits() << classes.bitShift);
     const auto bits = std::uint8_t(code << classes.bitShift);
     const bool beyond = code > classes.maxBits();  // the field cannot hold it: no point has it yet
-    for (std::size_t slab = 0; slab < distances.size(); slab += kSlab) {
-        progress.check();
-        const std::size_t end = std::min(distances.size(), slab + kSlab);
-        const std::shared_lock lock(cloud.mutex());
-        tbb::this_task_arena::isolate([&] {
-            tbb::parallel_for(slab, end, kBlock, [&](std::size_t first) {
-                const std::size_t last = std::min(end, first + kBlock);
-                for (std::size_t i = first; i < last; ++i)
-                    if (double(distances[i]) > threshold && (beyond || (byte[i] & mask) != bits)) points->insert(i);
-            });
-        });
-    }
+    progress.begin("Telling outliers", cloud.size());
+    forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
+        const std::size_t last = std::min(distances.size(), lastWord * 64);
+        for (std::size_t i = firstWord * 64; i < last; ++i)
+            if (double(distances[i]) > threshold && (beyond || (byte[i] & mask) != bits)) points->insert(i);
+    });
     return makeClassCommand("Outliers to " + classLabel(code), classes, std::move(points), code);
 }
 

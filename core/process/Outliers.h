@@ -6,7 +6,7 @@
 namespace punctum
 {
 
-/// outliers k=8 deviations=1.0 class=7: classifies points that are further from their neighbors than is usual.
+/// outliers k=8 deviations=3 class=7: classifies points that are further from their neighbors than is usual.
 ///
 /// Rusu et al., Towards 3D Point Cloud Based Object Maps for Household Environments (2008), as PCL's
 /// StatisticalOutlierRemoval does it, with the same result: the mean distance of each point to its k nearest

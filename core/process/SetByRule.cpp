@@ -15,18 +15,18 @@ std::string SetByRuleStep::help() const
 
 std::vector<StepParameter> SetByRuleStep::parameters() const
 {
-    std::vector<StepParameter> p(2);
-    p[0].key = "rule";
-    p[0].label = "Rule";
-    p[0].help = "Attribute = value if condition; the user guide tells the language.";
-    p[0].type = StepParameter::Type::Rule;
-    p[1].key = "new";
-    p[1].label = "New attribute";
-    p[1].help = "Type of the attribute, when the rule is to add one: the points that no case names get 0.";
-    p[1].type = StepParameter::Type::Choice;
-    p[1].optional = true;
-    for (int type = 0; type <= int(ScalarType::F64); ++type) p[1].choices.emplace_back(nameOf(ScalarType(type)));
-    return p;
+    std::vector<std::string> types;
+    for (int type = 0; type <= int(ScalarType::F64); ++type) types.emplace_back(nameOf(ScalarType(type)));
+    return {{.key = "rule",
+             .label = "Rule",
+             .help = "Attribute = value if condition; the user guide tells the language.",
+             .type = StepParameter::Type::Rule},
+            {.key = "new",
+             .label = "New attribute",
+             .help = "Type of the attribute, when the rule is to add one: the points that no case names get 0.",
+             .type = StepParameter::Type::Choice,
+             .optional = true,
+             .choices = std::move(types)}};
 }
 
 std::unique_ptr<Command> SetByRuleStep::run(const PointCloud& cloud, const StepValues& values,

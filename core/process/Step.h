@@ -18,17 +18,21 @@ class Progress;
 /// One parameter of a processing step, as the panel shows it and the command line names it.
 struct StepParameter {
     enum class Type { Integer, Real, AttributeName, ClassCode, Rule, Condition, Choice, Text };
-    std::string key;    ///< "k"
-    std::string label;  ///< "Neighbors"
-    std::string help;   ///< one line
+    enum class Unit {
+        None,
+        Length,  ///< the cloud's unit of length (TrueLengths): that of X and Y, meters where these are angles
+    };
+    std::string key{};    ///< "k"
+    std::string label{};  ///< "Neighbors"
+    std::string help{};   ///< one line
     Type type = Type::Real;
-    std::string preset;  ///< default value as text; empty: must be given, or means "not used" if optional
+    std::string preset{};  ///< default value as text; empty: must be given, or means "not used" if optional
     double min = 0.0;
     double max = 0.0;
     bool optional = false;
-    bool ownOnly = false;              ///< attributes that are no field of the point format
-    bool inCoordinateUnits = false;    ///< a length in the units of the coordinates
-    std::vector<std::string> choices;  ///< of a Choice
+    bool ownOnly = false;  ///< attributes that are no field of the point format
+    Unit unit = Unit::None;
+    std::vector<std::string> choices{};  ///< of a Choice
 };
 
 using StepValues = std::map<std::string, std::string, std::less<>>;

@@ -7,7 +7,8 @@
 #include <optional>
 #include <string_view>
 
-namespace punctum {
+namespace punctum
+{
 
 /// Reads checked parameter values; private to the steps. The values must have passed completeValues(), so that
 /// what is there can be read; asking for a key that is not there gives nothing.

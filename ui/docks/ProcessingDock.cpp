@@ -194,10 +194,11 @@ void ProcessingDock::buildFields()
 
 void ProcessingDock::fillUnits()
 {
-    const QString unit = m_document ? m_document->coordinateUnit() : QString();
+    const QString known = m_document ? m_document->lengthUnit() : QString();
+    const QString unit = known.isEmpty() ? tr("units") : known;
     for (const Field& field : m_fields) {
         QString name = toQString(field.parameter.label);
-        if (field.parameter.inCoordinateUnits && !unit.isEmpty()) name += QStringLiteral(" (%1)").arg(unit);
+        if (field.parameter.unit == StepParameter::Unit::Length) name += QStringLiteral(" (%1)").arg(unit);
         field.name->setText(name);
         field.widget->setAccessibleName(name);
     }
