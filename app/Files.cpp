@@ -5,9 +5,9 @@
 #include "core/Error.h"
 #include "core/Text.h"
 #include "core/las/AtomicFile.h"
-#include "core/las/Reader.h"
 #include "core/las/SourceFile.h"
 #include "core/task/Progress.h"
+#include "render/store/CloudLoad.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -139,14 +139,9 @@ void reportWritten(const las::WriteReport& report, const fs::path& path, bool js
 
 DrawableCloud loadDrawable(const fs::path& path, Progress& progress, render::OrderKind order)
 {
-    const auto reader = las::Reader::open(path);
-    DrawableCloud loaded;
-    loaded.cloud = reader->createCloud();
-    loaded.store = std::make_shared<render::PointStore>(loaded.cloud, reader->source()->sampledBounds, order);
-    las::ReadResult result =
-        reader->read(*loaded.cloud, progress, [&](PointRange range) { loaded.store->fill(range); });
-    loaded.bounds = result.bounds;
-    loaded.warnings = reader->source()->warnings;
+    const render::CloudLoad load(path, order);
+    const las::ReadResult result = load.read(progress);
+    DrawableCloud loaded{load.cloud(), load.store(), result.bounds, load.source()->warnings};
     for (const std::string& warning : result.warnings)
         if (std::find(loaded.warnings.begin(), loaded.warnings.end(), warning) == loaded.warnings.end())
             loaded.warnings.push_back(warning);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "render/progressive/FrameCostModel.h"
 #include "render/raster/Backend.h"
 #include "ui/SaveDialogs.h"
 #include "ui/style/Theme.h"
@@ -60,8 +61,8 @@ struct WindowOptions {
     std::optional<render::BackendKind> backend;  ///< none: as the settings say, else the fastest
     std::optional<render::OrderKind> order;      ///< none: as the settings say
     ViewKind view = ViewKind::Automatic;
-    double frameSeconds = 0.0166;  ///< time of a frame while the view moves
-    PointIndex pointsAFrame = 0;   ///< drawn in each frame; 0: as many as there is time for
+    double frameSeconds = render::kFrameSeconds;  ///< time of a frame while the view moves
+    PointIndex pointsAFrame = 0;                  ///< drawn in each frame; 0: as many as there is time for
 };
 
 /// The window: the view in the middle, docks around it, menus. It wires these parts; it does no work itself.

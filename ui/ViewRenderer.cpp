@@ -40,7 +40,7 @@ struct ViewRenderer::Thread {
     render::BackendKind wanted = render::BackendKind::Cpu;  ///< what applyChoice() asked for; `kind` draws
     bool measured = false;                                  ///< `fastest` is known to be of this machine
     std::vector<DrawnCloud> clouds;
-    double budget = 0.0166;  ///< s: sixty pictures a second
+    double budget = render::kFrameSeconds;
 
     ViewPicture& first() { return *pictures.front(); }
     /// Calls change(renderer) for all that draw, and has their pictures made anew.

@@ -7,7 +7,8 @@
 #include "core/las/Writer.h"
 #include "core/process/MakeCommand.h"
 #include "core/task/Progress.h"
-#include "render/store/PointStore.h"
+#include "render/raster/PointIds.h"
+#include "render/store/CloudLoad.h"
 #include "ui/BackgroundPriority.h"
 #include "ui/Recovery.h"
 #include "ui/Saves.h"
@@ -136,25 +137,34 @@ void Workspace::open(const QString& path)
         [this, opening, order = m_order, room = m_room](Progress& progress) {
             progress.begin("Reading the header", 1);
             const std::filesystem::path place = findPath(opening->path);
-            const auto reader = las::Reader::open(place);
+            const render::CloudLoad load(place, order);
             progress.check();
             auto data = std::make_shared<OpenCloud>();
             data->path = place;
-            data->source = reader->source();
-            data->cloud = reader->createCloud();
-            data->store = std::make_shared<render::PointStore>(data->cloud, reader->source()->sampledBounds, order);
+            data->source = load.source();
+            data->cloud = load.cloud();
+            data->store = load.store();
             data->history = std::make_shared<History>(data->cloud, room);
             opening->data = data;
             QMetaObject::invokeMethod(
                 this, [this, opening] { documentReady(opening); }, Qt::QueuedConnection);
-            opening->result = reader->read(*data->cloud, progress,
-                                           [&store = *data->store](PointRange range) { store.fill(range); });
+            opening->result = load.read(progress);
         },
         [this, opening](const JobInfo& info) { openingEnded(opening, info); });
 }
 
 void Workspace::documentReady(const std::shared_ptr<Opening>& opening)
 {
+    render::PointIds ids;
+    try {
+        for (const Document* open : m_documents) ids.take(open->data()->store->slotCount());
+        ids.take(opening->data->store->slotCount());
+    } catch (const Error& e) {
+        m_jobs->cancel(opening->job);
+        say(MessageKind::Error,
+            tr("%1 was not opened: %2").arg(fileNameOf(opening->path), toQString(std::string(e.what()))));
+        return;
+    }
     auto* document = new Document(opening->data, this);
     opening->document = document;
     m_documents.push_back(document);

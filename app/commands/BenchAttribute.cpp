@@ -14,7 +14,6 @@ namespace
 
 constexpr int kWidth = 1280;
 constexpr int kHeight = 800;
-constexpr double kFrameSeconds = 0.0166;
 constexpr int kTurnFrames = 120, kFramesPerSwitch = 40;
 constexpr double kHalfTurn = 3.14159265358979;
 
@@ -33,7 +32,7 @@ void measureTurn(render::ProgressiveRenderer& renderer, render::DisplaySettings 
         render::Camera camera = before;
         camera.orbit(kHalfTurn * frame / kTurnFrames, 0.0);
         renderer.setCamera(camera);
-        renderer.renderFrame(kFrameSeconds);
+        renderer.renderFrame(render::kFrameSeconds);
         times.push_back(clock.milliseconds());
     }
     figures.add("turning_frame_ms_p95", percentile(times, 0.95));
@@ -74,7 +73,7 @@ void runBenchAttribute(const BenchOptions& options, Progress& progress)
             progress.check();
             const Clock clock;
             renderer.setDisplay(display);
-            all = renderer.renderFrame(kFrameSeconds).converged;
+            all = renderer.renderFrame(render::kFrameSeconds).converged;
             spent += clock.milliseconds();
             if (visible == 0 && renderer.image() == finished[which]) visible = spent;
         }

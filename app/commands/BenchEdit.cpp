@@ -14,7 +14,6 @@ namespace
 
 constexpr int kWidth = 1280;
 constexpr int kHeight = 800;
-constexpr double kFrameSeconds = 0.0166;
 
 void runBenchEdit(const BenchOptions& options, Progress& progress)
 {
@@ -44,7 +43,7 @@ void runBenchEdit(const BenchOptions& options, Progress& progress)
         if (!command) throw Error("No point of this file changes when its middle heights become class 9.");
         const PointIndex changed = command->changedPoints();
         history.push(std::move(command));
-        renderer.renderFrame(kFrameSeconds);
+        renderer.renderFrame(render::kFrameSeconds);
         const double visible = clock.milliseconds();
         const render::Image first = renderer.image();
         drawAll(renderer, false, progress);
@@ -52,7 +51,7 @@ void runBenchEdit(const BenchOptions& options, Progress& progress)
 
         clock.restart();
         history.undo();
-        renderer.renderFrame(kFrameSeconds);
+        renderer.renderFrame(render::kFrameSeconds);
         const double undone = clock.milliseconds();
         if (renderer.image() != before) throw Error("The first frame after undoing did not show the old classes.");
         drawAll(renderer, false, progress);

@@ -5,6 +5,7 @@
 #include "core/las/Reader.h"
 #include "core/las/SourceFile.h"
 #include "core/task/Progress.h"
+#include "render/store/CloudLoad.h"
 
 #include <laszip/laszip_api.h>
 
@@ -27,8 +28,6 @@ namespace
 
 constexpr int kWidth = 1280;
 constexpr int kHeight = 800;
-/// Time of a frame of the view while it loads.
-constexpr double kFrameSeconds = 0.0166;
 
 double residentBytes()
 {
@@ -154,14 +153,12 @@ void measureFirstImage(const std::string& file, Figures& figures, Progress& prog
     renderer.setDisplay(render::DisplaySettings());
 
     const Clock clock;
-    const auto reader = las::Reader::open(file);
-    const auto cloud = reader->createCloud();
-    const auto store = std::make_shared<render::PointStore>(cloud, reader->source()->sampledBounds);
-    renderer.addCloud(store);
+    const render::CloudLoad load(file);
+    renderer.addCloud(load.store());
     render::Camera camera;
     camera.setView("iso");
-    camera.stretch = trueLengths(*cloud, reader->source()->firstBounds).stretch;
-    camera.fit(reader->source()->firstBounds, {kWidth, kHeight});
+    camera.stretch = trueLengths(*load.cloud(), load.source()->firstBounds).stretch;
+    camera.fit(load.source()->firstBounds, {kWidth, kHeight});
     renderer.setCamera(camera);
 
     std::atomic<bool> ended{false};
@@ -171,7 +168,7 @@ void measureFirstImage(const std::string& file, Figures& figures, Progress& prog
         try {
             while (firstImage == 0 || !ended) {
                 const bool last = ended;
-                renderer.renderFrame(kFrameSeconds);
+                renderer.renderFrame(render::kFrameSeconds);
                 if (firstImage == 0 && renderer.coveredShare() > 0) firstImage = clock.milliseconds();
                 if (last) break;
                 if (renderer.converged()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -181,7 +178,7 @@ void measureFirstImage(const std::string& file, Figures& figures, Progress& prog
         }
     });
     try {
-        reader->read(*cloud, progress, [&](PointRange range) { store->fill(range); });
+        load.read(progress);
     } catch (...) {
         ended = true;
         view.join();

@@ -27,7 +27,7 @@ struct BenchRenderOptions : BenchOptions {
     std::optional<int> samples;  ///< none: 1, or the window's
     bool asWindow = false;
     std::string order = "stratified";
-    double budget = 16.6;  ///< ms
+    double budget = render::kFrameMilliseconds;
     double budgetPoints = 0;
     PictureSize size;
 };

@@ -23,7 +23,6 @@ namespace
 
 constexpr int kWidth = 1280;
 constexpr int kHeight = 800;
-constexpr double kFrameSeconds = 0.0166;
 constexpr double kStrokeSeconds = 2.0;
 constexpr double kBrushRadius = 24.0;  // px
 constexpr const char* kRule = "Classification == 2 and Intensity < 1000";
@@ -63,7 +62,7 @@ void measureBrush(render::ProgressiveRenderer& renderer, const PointCloud& cloud
         const bool found = job.valid() && job.wait_for(0s) == std::future_status::ready;
         if (found) renderer.setSelection(cloud, job.get());
         const bool drawn = !renderer.converged();
-        renderer.renderFrame(kFrameSeconds);
+        renderer.renderFrame(render::kFrameSeconds);
         if (found) behind.push_back((clock.seconds() - asked) * 1e3);
         if (!job.valid() && renderer.converged()) {
             asked = clock.seconds();
@@ -77,7 +76,7 @@ void measureBrush(render::ProgressiveRenderer& renderer, const PointCloud& cloud
                              });
         }
         if (drawn) frames.push_back(frame.milliseconds());
-        std::this_thread::sleep_for(std::chrono::duration<double>(kFrameSeconds - frame.seconds()));
+        std::this_thread::sleep_for(std::chrono::duration<double>(render::kFrameSeconds - frame.seconds()));
     }
     if (job.valid()) job.get();
     figures.add("brush.frame_ms", median(frames));
@@ -110,12 +109,12 @@ void runBenchSelect(const BenchOptions& options, Progress& progress)
 
         clock.restart();
         renderer.setSelection(cloud, points);
-        renderer.renderFrame(kFrameSeconds);
+        renderer.renderFrame(render::kFrameSeconds);
         figures.add("shown_ms", clock.milliseconds());
         drawAll(renderer, false, progress);
         clock.restart();
         renderer.setSelection(cloud, nullptr);
-        renderer.renderFrame(kFrameSeconds);
+        renderer.renderFrame(render::kFrameSeconds);
         figures.add("cleared_ms", clock.milliseconds());
         drawAll(renderer, false, progress);
 

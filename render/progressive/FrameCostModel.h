@@ -6,6 +6,10 @@
 namespace punctum::render
 {
 
+/// What a frame may take while the view moves, unless the user wishes otherwise: sixty pictures a second.
+inline constexpr double kFrameMilliseconds = 16.6;
+inline constexpr double kFrameSeconds = kFrameMilliseconds * 1e-3;
+
 /// Learns what drawing points costs, and says how many fit into the time that is left (Schuetz et al. 2019,
 /// section 3.4.1). Pure arithmetic: no clock, no GL.
 class FrameCostModel

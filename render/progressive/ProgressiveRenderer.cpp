@@ -4,6 +4,7 @@
 #include "core/task/Progress.h"
 #include "render/progressive/Entry.h"
 #include "render/raster/LayerLookup.h"
+#include "render/raster/PointIds.h"
 #include "render/store/Spacing.h"
 
 #include <tbb/blocked_range.h>
@@ -76,6 +77,9 @@ ProgressiveRenderer::Entry* ProgressiveRenderer::find(const PointCloud& cloud) n
 
 void ProgressiveRenderer::addCloud(std::shared_ptr<PointStore> store)
 {
+    PointIds ids;  // whether there are enough for this one, too
+    for (const auto& entry : m_entries) ids.take(entry->store->slotCount());
+    ids.take(store->slotCount());
     auto entry = std::make_unique<Entry>();
     entry->store = std::move(store);
     applyDisplay(*entry);
@@ -242,14 +246,13 @@ void ProgressiveRenderer::updateScene()
     m_size.samples = *std::find_if(kSampleCounts.rbegin(), kSampleCounts.rend() - 1,
                                    [&](int count) { return count <= m_display.samples; });
     m_scene.layers.clear();
-    PointId firstId = 0;
+    PointIds ids;
     const PicturePart part = m_part.value_or(PicturePart{0, 0, m_size.width, m_size.height});
     for (const auto& entry : m_entries) {
-        m_scene.layers.push_back(
-            {entry->store.get(), firstId, makeProjection(m_camera, *entry->store, part, styleOf(*entry))});
+        m_scene.layers.push_back({entry->store.get(), ids.take(entry->store->slotCount()),
+                                  makeProjection(m_camera, *entry->store, part, styleOf(*entry))});
         Layer& layer = m_scene.layers.back();
         layer.clip = makeClip(m_display.clip, *entry->store, layer.projection.reference);
-        firstId += entry->store->slotCount();
     }
     m_scene.classVisible = m_display.classVisible;
     m_scene.allClassesVisible =

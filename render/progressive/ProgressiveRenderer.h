@@ -62,6 +62,7 @@ public:
     void setBackend(std::unique_ptr<RasterBackend> backend);
 
     // -- clouds
+    /// Throws Error where a view cannot number so many points; nothing has changed then.
     void addCloud(std::shared_ptr<PointStore> store);
     void removeCloud(const PointCloud& cloud);
     /// Call after a change of values or attributes (from any ChangeNotice) and when loading has ended.

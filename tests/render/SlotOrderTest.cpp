@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "render/order/SlotOrder.h"
+#include "render/raster/PointIds.h"
 
 #include <QtTest>
 
@@ -17,6 +18,7 @@ private Q_SLOTS:
     void bijection_data();
     void bijection();
     void windowsAreSpread();
+    void idsAreNeverDealtTwice();
 };
 
 void SlotOrderTest::bijection_data()
@@ -67,6 +69,30 @@ void SlotOrderTest::windowsAreSpread()
             const double expected = double(run) / 100.0;
             for (const int n : hundredths) QVERIFY(std::abs(n - expected) < 6 * std::sqrt(expected) + 1);
         }
+    }
+}
+
+// Two clouds of half of all ids each have one slot too many together: the second is refused and would not begin
+// anew at 0.
+void SlotOrderTest::idsAreNeverDealtTwice()
+{
+    PointIds ids;
+    QCOMPARE(ids.take(0x80000000u), PointId(0));
+    QVERIFY_EXCEPTION_THROWN(ids.take(0x80000000u), Error);
+    QCOMPARE(ids.take(0x7FFFFFFEu), PointId(0x80000000u));  // a refusal takes nothing
+    QCOMPARE(ids.take(1), kNoPoint - 1);
+    QCOMPARE(ids.take(0), kNoPoint);
+    QVERIFY_EXCEPTION_THROWN(ids.take(1), Error);
+
+    PointIds others;
+    QCOMPARE(others.take(kNoPoint), PointId(0));  // all there are, without the one that stands for none
+    QVERIFY_EXCEPTION_THROWN(others.take(1), Error);
+    try {
+        others.take(kNoPoint);
+    } catch (const Error& e) {
+        QCOMPARE(QString::fromStdString(e.what()),
+                 QStringLiteral("A view holds up to 4,294,967,295 points, and these clouds together have more; "
+                                "leave one out."));
     }
 }
 
