@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "core/Error.h"
 
-#include <algorithm>
+#include "core/Text.h"
 
 namespace punctum
 {
 
 std::string shownName(const std::filesystem::path& file)
 {
-    std::string name = file.filename().string();
-    std::replace_if(
-        name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
-    return name;
+    return oneLine(file.filename().string());
 }
 
 namespace
@@ -26,15 +23,16 @@ std::string withPlace(std::string sentence, const std::string& place)
 
 }  // namespace
 
-Error::Error(const std::string& sentence) : std::runtime_error(sentence) {}
+Error::Error(const std::string& sentence) : std::runtime_error(oneLine(sentence)) {}
 
 Error::Error(const std::filesystem::path& file, const std::string& sentence)
-    : std::runtime_error(shownName(file) + ": " + sentence), m_file(file)
+    : std::runtime_error(shownName(file) + ": " + oneLine(sentence)), m_file(file)
 {
 }
 
 Error::Error(const std::filesystem::path& file, const std::string& sentence, std::uint64_t byteOffset)
-    : std::runtime_error(shownName(file) + ": " + withPlace(sentence, "at byte " + std::to_string(byteOffset))),
+    : std::runtime_error(shownName(file) + ": " +
+                         withPlace(oneLine(sentence), "at byte " + std::to_string(byteOffset))),
       m_file(file),
       m_byteOffset(byteOffset)
 {

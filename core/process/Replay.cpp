@@ -32,20 +32,6 @@ std::string nameOf(const JournalEntry& entry, const History& history)
     return entry.name;
 }
 
-/// Throws when it cannot be followed, with nothing changed.
-void follow(const JournalEntry& entry, const PointCloud& cloud, History& history, Progress& progress)
-{
-    if (entry.kind == JournalEntry::Kind::Undo) return history.undo();
-    if (entry.kind == JournalEntry::Kind::Redo) return history.redo();
-    Recipe recipe = entry.recipe;
-    if (entry.within) recipe.within = std::make_shared<PointSet>(entry.within->unpacked());
-    auto command = makeCommand(recipe, cloud, progress);
-    const PointIndex changed = command ? command->changedPoints() : 0;
-    if (changed != entry.changed)
-        throw Error("It would change " + pointsText(changed) + " in place of " + grouped(entry.changed) + ".");
-    history.push(std::move(command));
-}
-
 /// Why it could not be followed; nothing: it was. Throws Cancelled.
 std::optional<std::string> trouble(const JournalEntry& entry, const PointCloud& cloud, History& history,
                                    Progress& progress)
@@ -66,6 +52,21 @@ std::optional<std::string> trouble(const JournalEntry& entry, const PointCloud& 
 
 }  // namespace
 
+void follow(const JournalEntry& entry, const PointCloud& cloud, History& history, Progress& progress)
+{
+    if (entry.kind == JournalEntry::Kind::Undo) return history.undo();
+    if (entry.kind == JournalEntry::Kind::Redo) return history.redo();
+    Recipe recipe = entry.recipe;
+    if (entry.within) recipe.within = std::make_shared<PointSet>(entry.within->unpacked());
+    auto command = makeCommand(recipe, cloud, progress);
+    const PointIndex changed = command ? command->changedPoints() : 0;
+    if (changed != entry.changed)
+        throw Error("It would change " + pointsText(changed) + " in place of " + grouped(entry.changed) + ".");
+    // No such entry is ever noted, and an undo after it would take back another one.
+    if (!command) throw Error("It would change nothing.");
+    history.push(std::move(command));
+}
+
 Replayed replay(const JournalContents& journal, const PointCloud& cloud, History& history, Progress& progress)
 {
     if (!(keyOf(cloud, progress) == journal.key))
@@ -78,7 +79,7 @@ Replayed replay(const JournalContents& journal, const PointCloud& cloud, History
         const std::string name = nameOf(entry, history);
         const auto reason = trouble(entry, cloud, history, progress);
         if (reason) {
-            replayed.stopped = "\"" + name + "\" cannot be done again: " + *reason;
+            replayed.stopped = "\"" + oneLine(name) + "\" cannot be done again: " + *reason;
             break;
         }
         ++replayed.entries;
