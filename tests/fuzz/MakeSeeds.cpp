@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Makes the inputs that fuzzing begins with: MakeSeeds FOLDER [FOLDER OF REAL FILES]; FOLDER is tests/fuzz/corpus.
+#include "core/edit/Journal.h"
+#include "core/edit/Literal.h"
 #include "core/las/File.h"
 #include "core/las/SourceParser.h"
+#include "core/process/MakeCommand.h"
+#include "core/task/Progress.h"
 #include "tests/core/BadInputs.h"
+#include "tests/fuzz/FixedCloud.h"
 #include "tests/fuzz/Fuzz.h"
 
 using lasfiles::Bytes;
@@ -121,8 +126,101 @@ void trimmed(const fs::path& path)
                    std::uint16_t(length - punctum::las::standardRecordLength(s.layout.format)), descriptors);
 }
 
+void seedText(const std::string& target, const std::string& name, char flags, const std::string& text)
+{
+    const std::string all = flags + text;
+    const auto bytes = std::as_bytes(std::span(all));
+    seed(target, name, Bytes(bytes.begin(), bytes.end()));
+}
+
+/// Inputs of the target journal: each edit as a step, and as a literal, done, undone and done again.
+void journals(bool odd)
+{
+    using namespace punctum;
+    PointSet some(fuzz::kPoints);
+    for (PointIndex i = 20; i < 90; i += i % 7 == 0 ? 5 : 1) some.insert(i);
+    const auto within = std::make_shared<PointSet>(some);
+    const std::string own = odd ? "Height" : "Reflectance";
+    const std::vector<Recipe> recipes = {
+        {"normals", {{"k", "8"}}, nullptr},
+        {"normals", {{"radius", "4"}}, nullptr},
+        {"outliers", {{"k", "4"}, {"deviations", "0.5"}, {"class", "18"}}, nullptr},
+        {"reclassify", {{"attribute", "Z"}, {"min", "-1e9"}, {"max", "1e9"}, {"class", "200"}}, nullptr},
+        {"reclassify", {{"attribute", "GpsTime"}, {"min", "0"}, {"max", "1e15"}, {"class", "6"}}, nullptr},
+        {"set", {{"rule", "Classification = 2 if Z > 0 else 5 if exists(GpsTime)"}}, nullptr},
+        {"set", {{"rule", "Withheld = 1"}}, within},
+        {"set", {{"rule", own + " = " + own + " / 2"}}, within},
+        {"set", {{"rule", "\"New one\" = Z * 2"}, {"new", "float64"}}, nullptr},
+        {"delete", {{"where", "Classification == 2 or Z < 1"}}, nullptr},
+        {"delete", {}, within},
+        {"rename", {{"attribute", own}, {"to", "Other name"}}, nullptr},
+        {"remove", {{"attribute", own}}, nullptr}};
+    std::string together;
+    for (std::size_t k = 0; k < recipes.size(); ++k) {
+        const auto cloud = fuzz::copyOf(*fuzz::fixedCloud(odd).cloud);
+        Progress progress;
+        const auto command = makeCommand(recipes[k], *cloud, progress);
+        if (!command) continue;
+        command->prepare();
+        JournalEntry entry;
+        entry.recipe = recipes[k];
+        entry.name = command->name();
+        entry.changed = command->changedPoints();
+        const std::string name = recipes[k].step + " " + std::to_string(k) + (odd ? " odd" : " sample");
+        const std::string lines = journalLine(entry) + "\nundo\nredo\nundo\n";
+        seedText("journal", name, char(odd ? 2 : 0), lines);
+        together += lines;
+        entry.recipe = literalOf(*command, *cloud, true, nullptr);
+        entry.name = literalName(entry.recipe);
+        const std::string literal = journalLine(entry) + "\nundo\nredo\n";
+        seedText("journal", name + " literal", char(odd ? 6 : 4), literal);
+    }
+    seedText("journal", odd ? "together odd" : "together sample", char(odd ? 14 : 12), together);
+    std::uint32_t sum = 0;
+    std::string whole = summed(std::string(kJournalFirstLine), sum);
+    whole += summed(journalCloudLine(fuzz::fixedCloud(odd).key, "a file.las"), sum);
+    whole += summed("do 1 Restore%20deleted restore", sum);
+    seedText("journal", odd ? "whole odd" : "whole sample", char(odd ? 3 : 1), whole);
+}
+
+void expressions()
+{
+    const char* const texts[] = {"Classification = 2 if Z > 12.5 and Intensity < 1000 else 5",
+                                 "Classification in (2, 5..7, 9) or not Withheld",
+                                 "\"Big id\" // 3 % 1000003 + 7 between -5 and 18446744073709551615",
+                                 "Height = clamp(Z - 100, -300, 300) if exists(Height)",
+                                 "Red = min(65535, Green * 2 if Blue > 5 else sqrt(Blue ** 2))",
+                                 "A = abs(B) - floor(C / 2.5) * pi if 0 < A <= 500",
+                                 "Classification == ground or Classification == 'low vegetation'",
+                                 "Deviation = atan2(X, Y) if Reflectance != Reflectance else 3",
+                                 "Fresh = log10(Z) if GpsTime >= 1e3",
+                                 "NumberOfReturns > 1 and ReturnNumber == NumberOfReturns"};
+    int number = 0;
+    for (const char* text : texts) {
+        ++number;
+        for (const int flags : {0, 3, 5, 0x94})
+            seedText("expression", std::to_string(number) + " " + std::to_string(flags), char(flags), text);
+    }
+}
+
+void cameras()
+{
+    const char* const texts[] = {"{}",
+                                 R"({"yaw": 30, "pitch": -35, "fov": 45})",
+                                 R"({"eye": [1000.5, 2000, 90], "pitch": -90, "orthographic": true})",
+                                 R"({"eye": [0, 0, 1e6], "pivot": [1, 2, 3.5], "orthographic": false})",
+                                 R"({"pivot": [1, 2, 3]})",
+                                 R"({"eye": [1, 2], "yaw": "north", "zoom": 3})"};
+    int number = 0;
+    for (const char* text : texts) seedText("camera", std::to_string(++number), text[0], text + 1);
+}
+
 void make(const fs::path& realFiles)
 {
+    journals(false);
+    journals(true);
+    expressions();
+    cameras();
     for (std::uint8_t format = 0; format <= 10; ++format)
         for (const std::uint16_t extra : {0, 5}) {
             const std::string name = "format " + std::to_string(format) + " " + std::to_string(extra);
