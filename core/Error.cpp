@@ -1,10 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "core/Error.h"
 
-#include "core/Text.h"
+#include "core/OneLine.h"
+
+#include <algorithm>
 
 namespace punctum
 {
+
+std::string oneLine(std::string text)
+{
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
+    return text;
+}
 
 std::string shownName(const std::filesystem::path& file)
 {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "core/Text.h"
 
-#include <algorithm>
-
 namespace punctum
 {
 
@@ -18,13 +16,6 @@ std::string hexText(std::uint64_t number, int digits)
     std::string text(std::size_t(digits), '0');
     for (auto digit = text.rbegin(); digit != text.rend(); ++digit, number >>= 4)
         *digit = "0123456789abcdef"[number & 15u];
-    return text;
-}
-
-std::string oneLine(std::string text)
-{
-    std::replace_if(
-        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
     return text;
 }
 

@@ -13,9 +13,6 @@ std::string grouped(std::uint64_t number);
 /// The last `digits` hexadecimal digits of a number, in small letters: how files name sums and keys.
 std::string hexText(std::uint64_t number, int digits);
 
-/// In one line whatever it is: control characters become '?'. For names and texts from outside in a sentence.
-std::string oneLine(std::string text);
-
 /// "1 point", "1,204 points".
 std::string pointsText(std::uint64_t count);
 

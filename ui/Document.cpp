@@ -139,6 +139,12 @@ void Document::setClassCounts(const std::array<std::uint64_t, 256>& counts)
     emit classCountsChanged();
 }
 
+void Document::setSpacing(double spacing)
+{
+    m_spacing = spacing;
+    emit stateChanged();
+}
+
 void Document::setUnsavedChanges(const QString& changes)
 {
     if (changes == m_unsavedChanges) return;

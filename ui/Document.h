@@ -89,6 +89,8 @@ public:
     /// Of lengths as they are drawn and measured: meters where the coordinates are in degrees; empty when not
     /// known.
     QString lengthUnit() const;
+    /// pointSpacing() of the points, in lengthUnit(); 0 while it is not known.
+    double spacing() const noexcept { return m_spacing; }
     /// Of cameras that look at this document within `bounds`: trueLengths().
     glm::dvec3 viewStretch(const WorldBounds& bounds) const;
     /// Points that an edit deleted; null: none. Views and tools leave them alone, saving leaves them out.
@@ -126,10 +128,11 @@ public:
     void setClassCounts(const std::array<std::uint64_t, 256>& counts);
     void setSavedAs(const std::filesystem::path& path, LastSave save);
     void setUnsavedChanges(const QString& changes);
+    void setSpacing(double spacing);
     void noteEdit();
 
 signals:
-    void stateChanged();  ///< loading, modified, path, warnings, bounds
+    void stateChanged();  ///< loading, modified, path, warnings, bounds, spacing
     void attributesChanged();
     void figuresChanged(const QString& name);
     void classCountsChanged();
@@ -146,6 +149,7 @@ private:
     bool m_upgradeAllowed = false;
     QStringList m_warnings;
     WorldBounds m_bounds;
+    double m_spacing = 0.0;
     RawBounds m_rawBounds;
     std::vector<Attribute> m_attributes;
     std::shared_ptr<const PointSet> m_deleted;

@@ -5,6 +5,7 @@
 #include "core/edit/Extract.h"
 #include "core/edit/History.h"
 #include "core/las/Writer.h"
+#include "core/measure/Spacing.h"
 #include "core/process/MakeCommand.h"
 #include "core/task/Progress.h"
 #include "render/raster/PointIds.h"
@@ -310,7 +311,12 @@ void Workspace::analyze(Document& document, const QStringList& names)
     };
     watch.analysis = startJob(
         tr("Value ranges of %1").arg(document.name()),
-        [cloud = document.cloud(), wanted, deliver](Progress& progress) {
+        [cloud = document.cloud(), wanted, deliver, stretch = document.viewStretch(document.bounds()),
+         first = names.isEmpty()](Progress& progress) {
+            if (first) {
+                const double spacing = pointSpacing(*cloud, stretch, progress);
+                deliver([spacing](Document& d) { d.setSpacing(spacing); });
+            }
             for (const Attribute& attribute : wanted) {
                 if (attribute.kind == AttributeKind::Class) {
                     std::array<std::uint64_t, 256> counts;

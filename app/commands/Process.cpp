@@ -9,6 +9,7 @@
 #include "core/process/Step.h"
 #include "core/task/Progress.h"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 
@@ -123,6 +124,15 @@ std::vector<std::string> joinedSteps(const std::vector<std::string>& words)
     return steps;
 }
 
+/// Whether one of the values that were given is a length.
+bool hasLength(const ParsedStep& step)
+{
+    const auto parameters = step.step->parameters();
+    return std::any_of(parameters.begin(), parameters.end(), [&](const StepParameter& p) {
+        return p.unit == StepParameter::Unit::Length && step.values.contains(p.key);
+    });
+}
+
 void runProcess(const ProcessOptions& options, Progress& progress)
 {
     if (options.list) {
@@ -150,8 +160,16 @@ void runProcess(const ProcessOptions& options, Progress& progress)
         if (command) command->apply(*cloud);
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         const PointIndex changed = command ? command->changedPoints() : 0;
-        report.push_back({{"step", words[k]}, {"points_changed", changed}, {"seconds", seconds.count()}});
-        if (!options.json) note(words[k] + ": " + grouped(changed) + " points changed.");
+        Json line = {{"step", words[k]}, {"points_changed", changed}, {"seconds", seconds.count()}};
+        std::string lengths;
+        if (hasLength(steps[k])) {
+            const std::string unit = trueLengths(*cloud, WorldBounds()).unit;
+            line["length_unit"] = unit;
+            lengths =
+                unit.empty() ? " (the file does not say the unit of its lengths)" : " (lengths in " + unit + ")";
+        }
+        report.push_back(std::move(line));
+        if (!options.json) note(words[k] + ": " + grouped(changed) + " points changed" + lengths + ".");
     }
     las::WriteOptions write;
     write.compressed = las::isCompressedName(options.out);

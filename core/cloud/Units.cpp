@@ -2,8 +2,7 @@
 #include "core/cloud/Units.h"
 
 #include "core/cloud/PointCloud.h"
-
-#include <tbb/task_arena.h>
+#include "core/task/LockedLoop.h"
 
 #include <algorithm>
 #include <cmath>
@@ -75,9 +74,8 @@ TrueLengths trueLengths(const PointCloud& cloud)
 {
     if (cloud.units().kind != CoordinateUnits::Kind::Degrees) return trueLengths(cloud.units(), {});
     const std::shared_lock lock(cloud.mutex());
-    // Isolated: while it waits for its helpers, this thread must not pick up work that wants the lock it holds.
-    return trueLengths(cloud.units(), cloud.coordinates().toWorld(
-                                          tbb::this_task_arena::isolate([&] { return cloud.computeBounds(); })));
+    const RawBounds bounds = runLocked(lock, [&] { return cloud.computeBounds(); });
+    return trueLengths(cloud.units(), cloud.coordinates().toWorld(bounds));
 }
 
 }  // namespace punctum

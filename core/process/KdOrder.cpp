@@ -39,6 +39,7 @@ KdOrder::KdOrder(const PointCloud& cloud, Progress& progress)
 {
     if (cloud.size() > UINT32_MAX)
         throw Error("This step handles up to 4,294,967,295 points; split the cloud first.");
+    m_lengths = trueLengths(cloud);
     std::shared_ptr<const PointSet> deleted;
     {
         const std::shared_lock lock(cloud.mutex());
@@ -47,7 +48,7 @@ KdOrder::KdOrder(const PointCloud& cloud, Progress& progress)
     }
     for (std::size_t a = 0; a < 3; ++a) {
         m_axes[a] = m_columns[a]->values<std::int32_t>().data();
-        m_scale[a] = std::fabs(cloud.coordinates().scale[int(a)]);
+        m_scale[a] = std::fabs(cloud.coordinates().scale[int(a)]) * m_lengths.stretch[int(a)];
     }
     const std::size_t n = cloud.size();
     progress.begin("Sorting points by place", 3 * n);

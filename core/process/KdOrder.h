@@ -19,7 +19,8 @@ class Progress;
 /// It serves two ends: near points lie together, so that the cloud can be worked on piece by piece whatever its
 /// density; and the exact neighbors of a single point can be found across all pieces. The splits are the medians
 /// of a sample, so that sorting is one parallel pass that can be cancelled, and the same on any number of threads.
-/// Distances are computed from the raw integers in double: coordinates of any size keep their precision.
+/// Distances are true lengths (trueLengths()): a degree and a foot of height count as what they are. They are
+/// computed from the raw integers in double: coordinates of any size keep their precision.
 ///
 /// Coordinates never change, so nothing is locked after construction. Every question may be asked from any thread.
 class KdOrder
@@ -58,14 +59,17 @@ public:
     std::vector<std::size_t> tiles(std::size_t most) const;
 
     Raw raw(std::uint32_t point) const noexcept { return {m_axes[0][point], m_axes[1][point], m_axes[2][point]}; }
-    /// From `origin`, which may lie between raw values, in the units of the coordinates.
+    /// From `origin`, which may lie between raw values, in units of length.
     std::array<float, 3> local(std::uint32_t point, const std::array<double, 3>& origin) const noexcept
     {
         return {float((double(m_axes[0][point]) - origin[0]) * m_scale[0]),
                 float((double(m_axes[1][point]) - origin[1]) * m_scale[1]),
                 float((double(m_axes[2][point]) - origin[2]) * m_scale[2])};
     }
+    /// Units of length of a raw step along each axis.
     const std::array<double, 3>& scale() const noexcept { return m_scale; }
+    /// What distances are told in.
+    const TrueLengths& lengths() const noexcept { return m_lengths; }
     double squaredDistance(std::uint32_t a, std::uint32_t b) const noexcept { return squaredDistance(raw(a), b); }
     /// Squared distance from a place to the nearest place of a box.
     double squaredDistance(const Raw& from, const Box& box) const noexcept;
@@ -119,6 +123,7 @@ private:
 
     std::array<std::shared_ptr<const Column>, 3> m_columns;
     std::array<const std::int32_t*, 3> m_axes{};
+    TrueLengths m_lengths;
     std::array<double, 3> m_scale{};
     std::size_t m_leaves = 1;  ///< a power of two
     std::vector<Split> m_splits;

@@ -104,7 +104,7 @@ private:
     pcl::PointCloud<pcl::PointXYZ>::Ptr m_points;
 };
 
-/// The step between floats at the edge of a tile, in the units of the coordinates.
+/// The step between floats at the edge of a tile, in units of length.
 double floatStep(const KdOrder& order, std::size_t node)
 {
     const KdOrder::Box& box = order.box(node);

@@ -12,7 +12,7 @@
 namespace punctum
 {
 
-/// The surroundings of one point. Lengths in the units of the coordinates.
+/// The surroundings of one point. Lengths in KdOrder::lengths().
 struct Neighborhood {
     std::uint32_t point = 0;
     std::span<const std::array<float, 3>> offsets;  ///< of the neighbors from the point; itself is among them

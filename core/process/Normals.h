@@ -6,7 +6,8 @@
 namespace punctum
 {
 
-/// normals k=16, or normals radius=0.5: adds NormalX, NormalY, NormalZ (float32) and the vector Normal.
+/// normals k=16, or normals radius=0.5 (units of length): adds NormalX, NormalY, NormalZ (float32) and the vector
+/// Normal.
 ///
 /// The normal of the plane of least squares through a point's neighbors (itself among them, as PCL counts), by
 /// PCL's computePointNormal; turned upward, so that NormalZ is never negative. A point with fewer than three

@@ -2,6 +2,7 @@
 #include "core/process/Replay.h"
 
 #include "core/Error.h"
+#include "core/OneLine.h"
 #include "core/Text.h"
 #include "core/edit/History.h"
 #include "core/process/MakeCommand.h"

@@ -58,7 +58,7 @@ void combine(PointSet& selection, const PointSet& found, SelectMode mode);
 /// Members of `a` that are not in `b`.
 PointIndex countWithout(const PointSet& a, const PointSet& b);
 
-/// The points not further than `distance` (units of the coordinates) from a member of the set, with the set.
+/// The points not further than `distance` (KdOrder::lengths()) from a member of the set, with the set.
 /// Throws Cancelled.
 PointSet grown(const PointSet& points, const KdOrder& order, double distance, Progress& progress);
 /// The members that have no point outside of the set within `distance`.

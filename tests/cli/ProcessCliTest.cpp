@@ -72,6 +72,23 @@ private slots:
         QCOMPARE(after.recordLength(), before.recordLength() + 12);
     }
 
+    // Meters along X and Y, heights in survey feet: the slope is one of 45 degrees.
+    void lengthsAreTrue()
+    {
+        const QString slope = QStringLiteral(PUNCTUM_TEST_DATA "/cases/slope-m-ftus.las");
+        if (!QFile::exists(slope)) QSKIP("slope-m-ftus.las is not here.");
+        const Outcome run =
+            runPunctum({"process", slope, "-o", path("slope.las"), "--json", "--step", "normals radius=3"});
+        PUNCTUM_EXIT(run, 0);
+        QCOMPARE(run.json()["steps"][0]["length_unit"].toString(), QStringLiteral("m"));
+        const Outcome info = runPunctum({"info", "--json", path("slope.las")});
+        for (const auto& a : info.json()["attributes"].toArray())
+            if (a.toObject()["name"] == QLatin1String("NormalZ"))
+                QVERIFY(std::abs(a.toObject()["mean"].toDouble() - 0.707) < 0.01);
+        const Outcome told = runPunctum({"process", slope, "-o", path("slope.las"), "--step", "normals radius=3"});
+        QVERIFY2(told.err.contains(QLatin1String("(lengths in m)")), qPrintable(told.err));
+    }
+
     void marksOutliersThenReclassifies()
     {
         // in order: what the first step made 7 the second one makes 18; unquoted, as a shell may hand it over

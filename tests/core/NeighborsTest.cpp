@@ -3,6 +3,8 @@
 #include "core/process/Neighbors.h"
 
 #include "core/Error.h"
+#include "core/las/Reader.h"
+#include "core/measure/Spacing.h"
 #include "core/process/Step.h"
 #include "core/sample/Sample.h"
 #include "core/task/Progress.h"
@@ -13,11 +15,15 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <mutex>
+#include <numeric>
 #include <thread>
 
 using namespace punctum;
+
+Q_DECLARE_METATYPE(punctum::CoordinateUnits)
 
 namespace
 {
@@ -121,6 +127,9 @@ private slots:
     void normalsStandOnPlanes_data();
     void normalsStandOnPlanes();
     void normalsOfPointsWithoutPlane();
+    void slopesAreTrueInAnyUnits_data();
+    void slopesAreTrueInAnyUnits();
+    void slopeOfARealFile();
     void normalsKeepTheFilesType();
     void normalsRefuseAnotherType();
     void outliersMatchPlainLoop();
@@ -128,6 +137,8 @@ private slots:
     void cancelAnswers_data();
     void cancelAnswers();
     void editsGetIn();
+    void spacingIsThatOfTheSurface();
+    void outliersAtThePresetAreFew();
 
 private:
     static void trouble()
@@ -292,6 +303,80 @@ void NeighborsTest::normalsStandOnPlanes()
     QVERIFY(cloud->findAttribute("NormalX") == nullptr && cloud->columns().size() == 4);
 }
 
+void NeighborsTest::slopesAreTrueInAnyUnits_data()
+{
+    using Kind = CoordinateUnits::Kind;
+    constexpr double kFoot = 0.3048;
+    QTest::addColumn<CoordinateUnits>("units");
+    QTest::addColumn<double>("xStep");  // of X and of Z, for a length
+    QTest::addColumn<double>("zStep");
+    QTest::addColumn<QString>("unit");
+    QTest::newRow("none stated") << CoordinateUnits() << 1.0 << 1.0 << "";
+    QTest::newRow("meters") << CoordinateUnits{Kind::Lengths, "m", "m", 1.0, 1.0} << 1.0 << 1.0 << "m";
+    QTest::newRow("feet") << CoordinateUnits{Kind::Lengths, "ft", "ft", kFoot, kFoot} << 1.0 << 1.0 << "ft";
+    QTest::newRow("heights in feet") << CoordinateUnits{Kind::Lengths, "m", "ft", 1.0, kFoot} << 1.0 << 1.0 / kFoot
+                                     << "m";
+    QTest::newRow("heights in meters") << CoordinateUnits{Kind::Lengths, "ft", "m", kFoot, 1.0} << 1.0 << kFoot
+                                       << "ft";
+    // of longitude at a latitude of 52 degrees, on the ellipsoid
+    QTest::newRow("degrees") << CoordinateUnits::degreesAndMeters() << 1.0 / 68678.0 << 1.0 << "m";
+}
+
+// A plane that rises by a tenth, and one of 45 degrees, in points that are one unit of length apart along X and Y.
+void NeighborsTest::slopesAreTrueInAnyUnits()
+{
+    QFETCH(CoordinateUnits, units);
+    QFETCH(double, xStep);
+    QFETCH(double, zStep);
+    QFETCH(QString, unit);
+    constexpr int kSide = 40;
+    constexpr double kScale = 1e-9;
+    const bool degrees = units.kind == CoordinateUnits::Kind::Degrees;
+    const double yStep = degrees ? 1.0 / 111267.0 : xStep;
+    const double xyScale = degrees ? kScale : 0.001;
+    for (const double rise : {0.1, 1.0}) {
+        const auto cloud = makeFrame(kSide * kSide, {{xyScale, xyScale, 0.001}, {13.0, 52.0, 0.0}});
+        cloud->setUnits(units);
+        for (int k = 0; k < kSide * kSide; ++k) {
+            const double x = k % kSide, y = k / kSide;
+            place(*cloud, PointIndex(k), std::round(x * xStep / xyScale), std::round(y * yStep / xyScale),
+                  std::round(x * rise * zStep / 0.001));
+        }
+        // by so many points, and by a radius, which is a length too
+        for (const char* step : {"normals k=9", "normals radius=1.45"}) {
+            run(*cloud, step)->apply(*cloud);
+            const auto z = cloud->findAttribute("NormalZ")->columns[0]->values<float>();
+            const double expected = 1.0 / std::sqrt(1.0 + rise * rise);
+            for (const float found : z)
+                QVERIFY2(
+                    std::abs(double(found) - expected) < 0.002,
+                    qPrintable(QStringLiteral("%1, %2: %3").arg(QLatin1String(step)).arg(expected).arg(found)));
+        }
+        Progress progress;
+        const KdOrder order(*cloud, progress);
+        QCOMPARE(QString::fromStdString(order.lengths().unit), unit);
+        std::vector<KdOrder::Found> found;
+        const auto middle = std::uint32_t(kSide * kSide / 2 + kSide / 2);
+        const double aside = std::sqrt(1.0 + rise * rise);
+        QVERIFY(order.within(middle, aside * 1.01, found, progress));
+        QCOMPARE(found.size(), std::size_t(5));
+        order.nearest(middle, 2, found);
+        QVERIFY(std::abs(std::sqrt(found[1].squared) - 1.0) < 0.002);  // along the slope nothing rises
+    }
+}
+
+void NeighborsTest::slopeOfARealFile()
+{
+    const std::filesystem::path path = std::filesystem::path(PUNCTUM_TEST_DATA) / "cases" / "slope-m-ftus.las";
+    if (!std::filesystem::exists(path)) QSKIP("slope-m-ftus.las is not here.");
+    Progress progress;
+    const auto cloud = las::load(path, progress);
+    run(*cloud, "normals k=16")->apply(*cloud);
+    const auto z = cloud->findAttribute("NormalZ")->columns[0]->values<float>();
+    const double mean = std::accumulate(z.begin(), z.end(), 0.0) / double(z.size());
+    QVERIFY2(std::abs(mean - 0.707) < 0.01, qPrintable(QString::number(mean)));
+}
+
 void NeighborsTest::normalsOfPointsWithoutPlane()
 {
     for (const char* kind : {"one place", "line", "isolated", "corners", "doubled"}) {
@@ -446,6 +531,35 @@ void NeighborsTest::editsGetIn()
     }
     worker.join();
     QVERIFY2(worst < 50.0 || !kFast, qPrintable(QString::number(worst)));
+}
+
+void NeighborsTest::spacingIsThatOfTheSurface()
+{
+    // 10,000 points at random over a square of 100 by 100 units of length: one each, whatever the coordinates'
+    // units
+    std::mt19937_64 random(3);
+    const auto cloud = makeFrame(10'000, {glm::dvec3(0.001), glm::dvec3(0.0)});
+    for (PointIndex i = 0; i < 10'000; ++i)
+        place(*cloud, i, double(random() % 100'000), double(random() % 50'000), 0);
+    Progress progress;
+    const double found = pointSpacing(*cloud, {1.0, 2.0, 1.0}, progress);
+    QVERIFY2(found > 0.9 && found < 1.1, qPrintable(QString::number(found)));
+    QCOMPARE(pointSpacing(*makeFrame(5), glm::dvec3(1.0), progress), 0.0);
+    QCOMPARE(pointSpacing(*makeFrame(5000), glm::dvec3(1.0), progress), 0.0);  // all in one place
+    QCOMPARE(roundLength(0.97), 1.0);
+    QCOMPARE(roundLength(1.6), 2.0);
+    QCOMPARE(roundLength(0.034), 0.05);
+    QCOMPARE(roundLength(8000.0), 10'000.0);
+}
+
+// At the preset few points of an ordinary survey are strays.
+void NeighborsTest::outliersAtThePresetAreFew()
+{
+    Progress progress;
+    const auto cloud = makeSample(60'000, 5, progress);
+    const auto command = run(*cloud, "outliers");
+    const PointIndex strays = command ? command->changedPoints() : 0;
+    QVERIFY2(strays < cloud->size() / 50, qPrintable(QString::number(strays)));
 }
 
 QTEST_APPLESS_MAIN(NeighborsTest)

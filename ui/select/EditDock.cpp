@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "core/expression/Rule.h"
 #include "core/expression/Syntax.h"
+#include "core/measure/Spacing.h"
 #include "render/color/ColorMap.h"
 #include "ui/Document.h"
 #include "ui/Text.h"
@@ -23,7 +24,11 @@
 #include <QLabel>
 #include <QPushButton>
 #include <QShortcut>
+#include <QSignalBlocker>
 #include <QVBoxLayout>
+
+#include <algorithm>
+#include <cmath>
 
 namespace punctum::ui
 {
@@ -65,6 +70,7 @@ EditDock::EditDock(Workspace& workspace, Selection& selection, ViewRenderer& ren
         // a new selection is to be seen, and it may be what the rule is for
         if (m_selection.points(m_document) != m_previewed) m_preview->end();
     });
+    connect(&m_selection, &Selection::neighborsTaken, this, &EditDock::tellNeighbors);
     m_endPreview->setToolTip(tr("Show the points as they are (Escape)"));
     connect(m_endPreview, &QPushButton::clicked, m_preview, &RulePreview::end);
     connect(m_escape, &QShortcut::activated, m_preview, &RulePreview::end);
@@ -174,9 +180,12 @@ QWidget* EditDock::makeNeighborPart()
         m_neighbors[std::size_t(at)] = new QPushButton(text);
         m_neighbors[std::size_t(at)]->setToolTip(tip);
         grid->addWidget(m_neighbors[std::size_t(at)], 2, at);
-        connect(m_neighbors[std::size_t(at)], &QPushButton::clicked, this,
-                [this, act] { (m_selection.*act)(m_distance->value()); });
+        connect(m_neighbors[std::size_t(at)], &QPushButton::clicked, this, [this, act] {
+            m_asked = m_distance->text();
+            (m_selection.*act)(m_distance->value());
+        });
     };
+    connect(m_distance, &QDoubleSpinBox::valueChanged, this, [this] { m_distanceIsOwn = true; });
     add(0, tr("Grow"), tr("Select the points within this distance, too"), &Selection::grow);
     add(1, tr("Shrink"), tr("Leave out points that have others within this distance"), &Selection::shrink);
     add(2, tr("Connected"), tr("Select all that can be reached in steps of this length"),
@@ -188,6 +197,7 @@ void EditDock::setDocument(Document* document)
 {
     if (m_document) m_document->disconnect(this);
     m_document = document;
+    m_distanceIsOwn = false;
     if (document) connect(document, &Document::stateChanged, this, &EditDock::takeState);
     m_result->clear();
     takeState();
@@ -212,8 +222,30 @@ void EditDock::takeState()
     for (QPushButton* button : m_neighbors) button->setEnabled(some);
     for (QPushButton* button : {m_select, m_previewRule, m_apply}) button->setEnabled(ready());
     m_selectedOnly->setEnabled(some);
-    const QString unit = m_document ? m_document->coordinateUnit() : QString();
-    m_distance->setSuffix(unit.isEmpty() ? QString() : QLatin1Char(' ') + unit);
+    const QString unit = m_document ? m_document->lengthUnit() : QString();
+    m_distance->setSuffix(QLatin1Char(' ') + (unit.isEmpty() ? tr("units") : unit));
+    presetDistance();
+}
+
+void EditDock::presetDistance()
+{
+    if (m_distanceIsOwn || !m_document || m_document->spacing() <= 0) return;
+    // Twice the spacing reaches the nearest points of a surface wherever they lie at random, and few others.
+    const double preset = roundLength(2 * m_document->spacing());
+    const QSignalBlocker quiet(m_distance);
+    m_distance->setDecimals(std::max(3, 1 - int(std::floor(std::log10(preset)))));
+    m_distance->setMinimum(std::pow(10.0, -m_distance->decimals()));
+    m_distance->setValue(preset);
+}
+
+void EditDock::tellNeighbors(quint64 joined, quint64 left)
+{
+    if (joined != 0)
+        say(tr("Grown by %1 within %2.").arg(pointsText(joined), m_asked));
+    else if (left != 0)
+        say(tr("Shrunk by %1 that have others within %2.").arg(pointsText(left), m_asked));
+    else
+        say(tr("The selection stays as it is: within %1 there is nothing to join or leave.").arg(m_asked));
 }
 
 QString EditDock::resultText() const

@@ -86,6 +86,9 @@ private:
     /// Says what is wrong with the text of the rule field, and marks the place.
     void sayWrong(const QString& sentence);
     void takeState();
+    /// Puts into the field for the distance what suits the document, until the user writes something there.
+    void presetDistance();
+    void tellNeighbors(quint64 joined, quint64 left);
     /// The points that a rule may change, as the box says; null: all.
     std::shared_ptr<const PointSet> ruleScope() const;
     /// Says what is wrong with it, and gives nothing then.
@@ -111,6 +114,8 @@ private:
     QPushButton* m_previewRule;
     QPushButton* m_apply;
     QDoubleSpinBox* m_distance;
+    bool m_distanceIsOwn = false;  ///< the user has written it for this document
+    QString m_asked;               ///< the distance that was last asked for, with its unit
     std::array<QPushButton*, 3> m_neighbors{};
     QLabel* m_result;
     RulePreview* m_preview;

@@ -192,6 +192,7 @@ void Selection::askNeighbors(const QString& title,
 {
     Task task;
     task.title = title;
+    task.neighbors = true;
     if (!points(active())) return;
     task.work = [touchable = touchable(), change = std::move(change)](
                     const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view, Progress& progress) {
@@ -333,7 +334,8 @@ void Selection::startNext()
 void Selection::run(Task task)
 {
     struct Result : State {
-        bool same = false;  ///< as the selection of before
+        bool same = false;                ///< as the selection of before
+        PointIndex joined = 0, left = 0;  ///< where it is told
     };
     const auto result = std::make_shared<Result>();
     m_running = task.kind;
@@ -341,21 +343,25 @@ void Selection::run(Task task)
     if (!std::exchange(task.base->known, true)) task.base->state = state(task.document);
     m_job = m_workspace.startJob(
         task.title,
-        [view = task.shot->view, result, work = std::move(task.work),
+        [view = task.shot->view, result, neighbors = task.neighbors, work = std::move(task.work),
          before = task.base->state.points](Progress& progress) {
             const auto points = std::make_shared<PointSet>(work(before, *view, progress));
             result->count = points->count();
             result->hidden = countWithout(*points, *view->visible);
             if (result->count != 0) result->points = points;
             result->same = before ? *before == *points : result->count == 0;
+            if (!neighbors || !before) return;
+            result->joined = countWithout(*points, *before);
+            result->left = countWithout(*before, *points);
         },
         [this, result, generation, target = task.document, kind = task.kind, live = task.live, title = task.title,
-         base = task.base](const JobInfo& info) {
+         neighbors = task.neighbors, base = task.base](const JobInfo& info) {
             m_job = 0;
             if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
             if (info.state == JobState::Finished && target && generation == m_generation) {
                 if (!live && (kind != Kind::New || !result->same)) noteStep(*target, kind, title, base->state);
                 publish(*target, *result);
+                if (neighbors) emit neighborsTaken(result->joined, result->left);
             }
             emit changed();
             startNext();

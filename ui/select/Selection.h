@@ -83,7 +83,8 @@ public:
     void selectByRule(const QString& condition);
     /// Whatever the mode of the tools.
     void selectClass(unsigned code, SelectMode mode);
-    /// `distance`: in units of the coordinates.
+    /// By a look at neighbors; neighborsTaken() tells what came of it. `distance`: in the document's unit of
+    /// length.
     void grow(double distance);
     void shrink(double distance);
     void connectNeighbors(double distance);
@@ -98,6 +99,8 @@ public:
 signals:
     void changed();          ///< points, or their counts
     void settingsChanged();  ///< mode, depth
+    /// Of grow(), shrink() or connectNeighbors(): points that joined, and points that left.
+    void neighborsTaken(quint64 joined, quint64 left);
 
 private:
     struct State {
@@ -130,7 +133,8 @@ private:
         QString title;
         Kind kind = Kind::New;
         Work work;
-        bool live = false;  ///< may be left out when a newer one has come
+        bool live = false;       ///< may be left out when a newer one has come
+        bool neighbors = false;  ///< ends with neighborsTaken()
         std::shared_ptr<Base> base;
         std::shared_ptr<Shot> shot;
         QPointer<Document> document;
