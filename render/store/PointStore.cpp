@@ -195,6 +195,38 @@ void PointStore::fill(PointRange range)
     const auto encoder = encoderFor(range);
     put(range, *encoder, true);
     m_filled.fetch_add(range.size(), std::memory_order_release);
+    if (range.empty()) return;
+    const std::lock_guard lock(m_arrivalMutex);
+    m_arrived.push_back({range, m_arrived.empty() ? 0 : m_arrived.back().before + m_arrived.back().range.size()});
+    m_arrivals.store(m_arrived.size(), std::memory_order_release);
+}
+
+bool PointStore::arrivedSlots(std::size_t from, std::size_t to, SlotRange within, std::vector<SlotRange>& out) const
+{
+    const std::lock_guard lock(m_arrivalMutex);
+    to = std::min(to, m_arrived.size());
+    if (from >= to || within.first >= within.last) return true;
+    if (m_order.kind() != OrderKind::Stratified) {
+        const PointIndex before = m_arrived[from].before;
+        const PointIndex after = m_arrived[to - 1].before + m_arrived[to - 1].range.size();
+        if (after < 2 * before && after < m_cloud->size()) return false;
+        out.push_back(within);
+        return true;
+    }
+    // Each window has the points of a group in one slot, at the group's place.
+    const Slot window = m_order.windowSize();
+    for (std::size_t k = from; k < to; ++k) {
+        const PointRange& range = m_arrived[k].range;
+        const auto first = Slot(range.first >> m_order.groupBits()),
+                   last = Slot((range.last - 1) >> m_order.groupBits()) + 1;
+        for (Slot w = within.first / window; w <= (within.last - 1) / window; ++w) {
+            const std::uint64_t begin = std::uint64_t(w) * window;
+            const auto a = Slot(std::max<std::uint64_t>(begin + first, within.first));
+            const auto b = Slot(std::min<std::uint64_t>(begin + last, within.last));
+            if (a < b) out.push_back({a, b});
+        }
+    }
+    return true;
 }
 
 void PointStore::fillAll()
@@ -215,6 +247,7 @@ void PointStore::setBounds(const RawBounds& bounds)
     if (!current) return;
     tbb::parallel_for(tbb::blocked_range<PointIndex>(0, m_cloud->size(), kPutPoints), [&](const auto& r) {
         put({r.begin(), r.end()}, *current, true);
+        bumpVersions({r.begin(), r.end()}, true);
     });
 }
 
@@ -326,7 +359,6 @@ void PointStore::put(PointRange range, const AttributeEncoder& encoder, bool wit
 #if defined(__SSE2__)
     _mm_sfence();  // what was written past the caches is there before anybody is told of it
 #endif
-    bumpVersions(whole, withPositions);
 }
 
 void PointStore::bumpVersions(PointRange range, bool withPositions) noexcept
@@ -363,6 +395,10 @@ void PointStore::show(const Attribute& attribute)
 {
     const auto next = makeEncoder(attribute, {});
     next->setSelection(m_selection);
+    if (!m_preview) {
+        const std::lock_guard lock(m_encoderMutex);
+        if (!std::exchange(m_encoder, next)) return;  // no word was made by another one
+    }
     setEncoder(next);
     markStale(nullptr);
 }
@@ -469,8 +505,10 @@ void PointStore::refreshNext(PointIndex points)
     const PointIndex end = std::min(m_cloud->size(), (m_refreshed + points) / kPutPoints * kPutPoints + kPutPoints);
     tbb::parallel_for(tbb::blocked_range<PointIndex>(m_refreshed / kPutPoints, (end + kPutPoints - 1) / kPutPoints),
                       [&](const auto& r) {
-                          put({std::max(m_refreshed, r.begin() * kPutPoints), std::min(end, r.end() * kPutPoints)},
-                              *current, false);
+                          const PointRange range{std::max(m_refreshed, r.begin() * kPutPoints),
+                                                 std::min(end, r.end() * kPutPoints)};
+                          put(range, *current, false);
+                          bumpVersions(range, false);
                       });
     m_refreshed = end;
     m_stale = m_refreshed < m_cloud->size();

@@ -71,7 +71,15 @@ public:
     /// 1 for a hidden slot; all 0 unless hidesAny().
     std::span<const std::uint8_t> hidden() const noexcept;
 
-    /// Rises with every write to a block of kBlockSlots slots: a GPU copy compares it with what it has.
+    /// How many calls of fill() have ended. A copy on a device brings over what came since it looked last.
+    std::size_t arrivals() const noexcept { return m_arrivals.load(std::memory_order_acquire); }
+    /// Appends runs of slots, within these, that have the points of the calls [from, to) in them, in no order and
+    /// with some more; false where nothing is worth bringing yet: in the prime order the points of each call are
+    /// everywhere, so all slots are given, each time twice as many points have come, and at the end.
+    bool arrivedSlots(std::size_t from, std::size_t to, SlotRange within, std::vector<SlotRange>& out) const;
+
+    /// Rises with every write to a block of kBlockSlots slots, but for those of fill(): a copy on a device compares
+    /// it with what it has.
     static constexpr int kBlockBits = 16;
     static constexpr Slot kBlockSlots = 1 << kBlockBits;
     Slot blocks() const noexcept { return (slotCount() + kBlockSlots - 1) >> kBlockBits; }
@@ -117,7 +125,8 @@ private:
     std::shared_ptr<const AttributeEncoder> encoderFor(PointRange range);
     /// Of the cloud; beside it the preview's, where there is one.
     void setEncoder(std::shared_ptr<const AttributeEncoder> encoder);
-    /// Encodes the points of a range and puts them into their slots; positions too when asked for.
+    /// Encodes the points of a range and puts them into their slots; positions too when asked for. Versions are for
+    /// the caller to raise.
     void put(PointRange range, const AttributeEncoder& encoder, bool positions);
     void bumpVersions(PointRange range, bool positions) noexcept;
 
@@ -134,6 +143,13 @@ private:
     std::shared_ptr<const Preview> m_preview;
     std::shared_ptr<const PointSet> m_selection;  ///< null until anything was selected
     std::atomic<PointIndex> m_filled{0};
+    struct Arrival {
+        PointRange range;
+        PointIndex before = 0;  ///< points of all calls before this one
+    };
+    mutable std::mutex m_arrivalMutex;
+    std::vector<Arrival> m_arrived;
+    std::atomic<std::size_t> m_arrivals{0};  ///< size of m_arrived
     std::atomic<bool> m_outgrown{false};
     std::atomic<bool> m_colorsOutgrown{false};  ///< some color needs 16 bits
     std::vector<std::atomic<std::uint32_t>> m_positionVersions, m_wordVersions;

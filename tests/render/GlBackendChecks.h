@@ -62,6 +62,8 @@ private slots:
     void colorsAreThoseOfTheCpuBackend();
     void convergesWhileLoading();
     void colorsAreRightWhileLoading();
+    void loadingSendsEachPointOnce_data();
+    void loadingSendsEachPointOnce();
     void rebuiltStoresAreSeen();
     void otherStoresAtTheSameAddressAreSeen();
     void picksWhatIsOnScreen();

@@ -159,4 +159,54 @@ void GlBackendChecks::colorsAreRightWhileLoading()
     QVERIFY(share(renderer.image(), reference.image(), covered) <= 0.01);
 }
 
+void GlBackendChecks::loadingSendsEachPointOnce_data()
+{
+    QTest::addColumn<OrderKind>("order");
+    QTest::newRow("stratified") << OrderKind::Stratified;
+    QTest::newRow("prime") << OrderKind::Prime;
+}
+
+// Parts of a file arrive in no order, and after each a frame draws all there is. What goes to the device comes to
+// one copy of the points, and a little; in the prime order, to some copies instead of one a frame.
+void GlBackendChecks::loadingSendsEachPointOnce()
+{
+    QFETCH(OrderKind, order);
+    const auto cloud = makeCloud(400'000);
+    const RawBounds bounds = cloud->computeBounds();
+    const auto store = std::make_shared<PointStore>(cloud, bounds, order);
+    DisplaySettings display;
+    display.attribute = "Classification";
+    const Camera camera = cameraFor(*cloud);
+    ProgressiveRenderer renderer(gl());
+    renderer.setSize(kWidth, kHeight);
+    renderer.setCamera(camera);
+    renderer.setDisplay(display);
+    renderer.addCloud(store);
+    renderer.setPointsAFrame(cloud->size());
+    constexpr PointIndex kParts = 25;
+    const PointIndex part = cloud->size() / kParts;
+    std::uint64_t up = 0;
+    for (PointIndex k = 0; k < kParts; ++k) {
+        const PointIndex first = k * 7 % kParts * part;
+        store->fill({first, first + part});
+        const FrameReport report = renderer.renderFrame(1.0);
+        QVERIFY(report.filled > 0);
+        up += report.bytesUp;
+    }
+    const double copies = double(up) / (16.0 * double(store->slotCount()));
+    qInfo("%.2f copies of the points", copies);
+    QVERIFY(copies < (order == OrderKind::Stratified ? 1.5 : 7.0));
+
+    // When all is there, nothing goes a second time but tables and commands.
+    renderer.loadingEnded(*cloud, bounds);
+    std::uint64_t after = 0;
+    for (int frames = 0; !renderer.converged(); ++frames) {
+        QVERIFY(frames < 1000);
+        after += renderer.renderFrame(1.0).bytesUp;
+    }
+    QVERIFY2(after < 500'000, qPrintable(QString::number(after)));
+    View reference(gl(), {filledStore(cloud, order)}, camera, display);
+    QVERIFY(share(renderer.image(), reference) <= m_tolerance.converged);
+}
+
 }  // namespace punctum::test

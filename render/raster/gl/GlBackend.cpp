@@ -304,7 +304,7 @@ void GlBackend::updateVisible(const FrameScene& scene, Part part)
                 copy.encoder = encoder;
             }
         } else if (!loading || copy.wordsOutdated) {
-            // While a file loads all blocks change, but not the points that were drawn: draw() brought those.
+            // While a file loads, what was drawn had its words brought by draw().
             layers[i] = any = true;
         }
     }

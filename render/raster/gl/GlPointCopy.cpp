@@ -12,6 +12,10 @@ namespace
 {
 
 constexpr Slot kBlockSlots = PointStore::kBlockSlots;
+/// After more calls of fill() than that a block is brought over whole.
+constexpr std::uint32_t kMostArrivals = 256;
+/// Runs of slots so near to each other are brought over as one.
+constexpr Slot kGap = 32;
 
 std::uint32_t versionOf(const PointStore& store, GlPointCopy::Part part, Slot block) noexcept
 {
@@ -34,11 +38,12 @@ GlPointCopy::GlPointCopy(const PointStore& store, Slot chunkSlots, GlTraffic& tr
       m_slots(store.slotCount()),
       m_chunkSlots(chunkSlots),
       m_chunkBlocks(chunkSlots / kBlockSlots),
-      m_frame(store.frame()),
-      m_positionVersions(store.blocks()),
-      m_wordVersions(store.blocks()),
-      m_groupVersions(store.blocks())
+      m_frame(store.frame())
 {
+    for (Have& have : m_have) {
+        have.versions.resize(store.blocks());
+        have.arrivals.resize(store.blocks());
+    }
     assert(chunkSlots >= kBlockSlots && chunkSlots % kBlockSlots == 0);
     for (std::uint64_t first = 0; first < m_slots; first += chunkSlots) {
         Chunk chunk;
@@ -54,14 +59,9 @@ bool GlPointCopy::matches(const PointStore& store) const noexcept
     return store.identity() == m_store && frame.origin == m_frame.origin && frame.shift == m_frame.shift;
 }
 
-std::vector<std::uint32_t>& GlPointCopy::versions(Part part) noexcept
+bool GlPointCopy::outdated(const PointStore& store, Part part, Slot block) const noexcept
 {
-    return part == Part::Positions ? m_positionVersions : part == Part::Words ? m_wordVersions : m_groupVersions;
-}
-
-const std::vector<std::uint32_t>& GlPointCopy::versions(Part part) const noexcept
-{
-    return part == Part::Positions ? m_positionVersions : part == Part::Words ? m_wordVersions : m_groupVersions;
+    return have(part).versions[block] != versionOf(store, part, block);
 }
 
 void GlPointCopy::allocate(Chunk& chunk, Part part)
@@ -101,10 +101,46 @@ void GlPointCopy::put(const PointStore& store, Part part, Slot firstBlock, Slot 
     Chunk& chunk = m_chunks[firstBlock / m_chunkBlocks];
     allocate(chunk, part);
     // The versions first: what is written between here and the copying raises them again.
-    std::vector<std::uint32_t>& mine = versions(part);
-    for (Slot b = firstBlock; b < lastBlock; ++b) mine[b] = versionOf(store, part, b);
-    const auto first = std::size_t(firstBlock) * kBlockSlots;
-    const auto count = std::min(std::size_t(lastBlock) * kBlockSlots, std::size_t(m_slots)) - first;
+    Have& mine = have(part);
+    const auto arrivals = std::uint32_t(store.arrivals());
+    for (Slot b = firstBlock; b < lastBlock; ++b) {
+        mine.versions[b] = versionOf(store, part, b);
+        mine.arrivals[b] = arrivals;
+    }
+    write(
+        store, part, chunk,
+        {firstBlock * kBlockSlots, Slot(std::min<std::uint64_t>(std::uint64_t(lastBlock) * kBlockSlots, m_slots))});
+}
+
+void GlPointCopy::putArrived(const PointStore& store, Part part, Slot block)
+{
+    const std::uint32_t from = have(part).arrivals[block];
+    const auto to = std::uint32_t(store.arrivals());
+    const SlotRange all{block * kBlockSlots,
+                        Slot(std::min<std::uint64_t>((std::uint64_t(block) + 1) * kBlockSlots, m_slots))};
+    if (to - from > kMostArrivals) return put(store, part, block, block + 1);
+    m_runs.clear();
+    if (!store.arrivedSlots(from, to, all, m_runs)) return;
+    std::sort(m_runs.begin(), m_runs.end(),
+              [](const SlotRange& a, const SlotRange& b) { return a.first < b.first; });
+    std::size_t count = 0, slots = 0;
+    for (const SlotRange& run : m_runs) {
+        if (count > 0 && run.first <= m_runs[count - 1].last + kGap)
+            m_runs[count - 1].last = std::max(m_runs[count - 1].last, run.last);
+        else
+            m_runs[count++] = run;
+    }
+    m_runs.resize(count);
+    for (const SlotRange& run : m_runs) slots += run.size();
+    if (slots >= std::size_t(all.size()) / 4 * 3) return put(store, part, block, block + 1);
+    Chunk& chunk = m_chunks[block / m_chunkBlocks];
+    for (const SlotRange& run : m_runs) write(store, part, chunk, run);
+    have(part).arrivals[block] = to;
+}
+
+void GlPointCopy::write(const PointStore& store, Part part, Chunk& chunk, SlotRange slots)
+{
+    const auto first = std::size_t(slots.first), count = std::size_t(slots.size());
     const std::size_t at = first - chunk.first;
     switch (part) {
         case Part::Positions:
@@ -129,15 +165,20 @@ void GlPointCopy::update(const PointStore& store, Part part, SlotRange range)
 {
     if (range.first >= range.last) return;
     const Slot last = (range.last - 1) / kBlockSlots + 1;
-    const std::vector<std::uint32_t>& mine = versions(part);
+    const Have& mine = have(part);
+    const auto arrivals = std::uint32_t(store.arrivals());
     for (Slot b = range.first / kBlockSlots; b < last;) {
         Chunk& chunk = m_chunks[b / m_chunkBlocks];
         const Slot chunkEnd = std::min(last, (b / m_chunkBlocks + 1) * m_chunkBlocks);
         allocate(chunk, part);
         while (b < chunkEnd) {
             Slot end = b;
-            while (end < chunkEnd && mine[end] != versionOf(store, part, end)) ++end;
+            const auto whole = [&](Slot block) {
+                return outdated(store, part, block) || arrivals - mine.arrivals[block] > kMostArrivals;
+            };
+            while (end < chunkEnd && whole(end)) ++end;
             if (end > b) put(store, part, b, end);
+            if (end < chunkEnd && mine.arrivals[end] != arrivals) putArrived(store, part, end);
             b = end + 1;
         }
         b = chunkEnd;
@@ -146,19 +187,18 @@ void GlPointCopy::update(const PointStore& store, Part part, SlotRange range)
 
 std::size_t GlPointCopy::staleBlocks(const PointStore& store, Part part) const noexcept
 {
-    const std::vector<std::uint32_t>& mine = versions(part);
+    const Slot all = Slot(have(part).versions.size());
     std::size_t count = 0;
-    for (Slot b = 0; b < mine.size(); ++b) count += allocated(b) && mine[b] != versionOf(store, part, b);
+    for (Slot b = 0; b < all; ++b) count += allocated(b) && outdated(store, part, b);
     return count;
 }
 
 void GlPointCopy::updateSome(const PointStore& store, Part part, std::size_t blocks)
 {
-    const std::vector<std::uint32_t>& mine = versions(part);
-    const auto all = Slot(mine.size());
+    const Slot all = Slot(have(part).versions.size());
     for (Slot looked = 0; looked < all && blocks > 0; ++looked) {
         m_cursor = m_cursor + 1 < all ? m_cursor + 1 : 0;
-        if (!allocated(m_cursor) || mine[m_cursor] == versionOf(store, part, m_cursor)) continue;
+        if (!allocated(m_cursor) || !outdated(store, part, m_cursor)) continue;
         put(store, part, m_cursor, m_cursor + 1);
         --blocks;
     }

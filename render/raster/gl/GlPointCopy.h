@@ -4,6 +4,7 @@
 #include "render/gl/GlObjects.h"
 #include "render/store/PointStore.h"
 
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -20,7 +21,8 @@ constexpr std::uint16_t groupOf(std::uint8_t pointClass, std::uint8_t hidden) no
 /// The copy of one PointStore in the device's memory, in chunks small enough for one storage block each.
 ///
 /// Blocks of PointStore::kBlockSlots slots are brought over when their version has risen, and only when somebody
-/// asks for them: while a file loads every block changes all the time. Owned by the backend; the thread of its
+/// asks for them. Of what arrives while a file loads, in every block a little at a time, the new slots alone are
+/// brought: so each is sent once. Owned by the backend; the thread of its
 /// context. Members throw Error when the device has no memory left.
 class GlPointCopy
 {
@@ -65,10 +67,20 @@ public:
 private:
     void allocate(Chunk& chunk, Part part);
     bool allocated(Slot block) const noexcept { return bool(m_chunks[block / m_chunkBlocks].positions); }
-    std::vector<std::uint32_t>& versions(Part part) noexcept;
-    const std::vector<std::uint32_t>& versions(Part part) const noexcept;
+    /// What is here of a part, by block.
+    struct Have {
+        std::vector<std::uint32_t> versions;
+        std::vector<std::uint32_t> arrivals;  ///< of PointStore::arrivals()
+    };
+    Have& have(Part part) noexcept { return m_have[std::size_t(part)]; }
+    const Have& have(Part part) const noexcept { return m_have[std::size_t(part)]; }
+    bool outdated(const PointStore& store, Part part, Slot block) const noexcept;
     /// Consecutive blocks of one chunk.
     void put(const PointStore& store, Part part, Slot firstBlock, Slot lastBlock);
+    /// What has arrived in a block since.
+    void putArrived(const PointStore& store, Part part, Slot block);
+    /// Slots of one chunk, as they are.
+    void write(const PointStore& store, Part part, Chunk& chunk, SlotRange slots);
 
     GlTraffic* m_traffic;  ///< never null
     Identity m_store;      ///< PointStore::identity()
@@ -76,7 +88,8 @@ private:
     Slot m_chunkSlots, m_chunkBlocks;
     LocalFrame m_frame;
     std::vector<Chunk> m_chunks;
-    std::vector<std::uint32_t> m_positionVersions, m_wordVersions, m_groupVersions;  ///< of what is here, by block
+    std::array<Have, 3> m_have;     ///< by Part
+    std::vector<SlotRange> m_runs;  ///< kept, so that memory is not asked for each time
     Slot m_cursor = 0;
 };
 
