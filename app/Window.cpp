@@ -131,6 +131,8 @@ int runWindowed(int argc, char** argv)
     QGuiApplication::setDesktopFileName(QStringLiteral("punctum"));
     // fractional scales as they are, so that a px of the picture is a px of the screen
     QGuiApplication::setHighDpiScaleFactorRoundingPolicy(Qt::HighDpiScaleFactorRoundingPolicy::PassThrough);
+    // so that what the render thread draws can be shown where it is
+    QCoreApplication::setAttribute(Qt::AA_ShareOpenGLContexts);
     const QtMessageHandler handler = qInstallMessageHandler(sayInsteadOfQt);
     QApplication application(argc, argv);
     qInstallMessageHandler(handler);

@@ -76,11 +76,13 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
 
     const auto backend = options.backend ? options.backend : m_settings->backend();
     m_view = new ViewSettings(this);
-    m_renderer = new ViewRenderer(backend, m_settings->fastestBackend(), this);
+    const bool openGl = options.view != ViewKind::Raster && openGlWidgetsWork(options.view == ViewKind::OpenGl);
+    QString whyNotShared;
+    std::unique_ptr<SharedContext> shared;
+    if (openGl) shared = SharedContext::create(whyNotShared);
+    m_renderer = new ViewRenderer(backend, m_settings->fastestBackend(), this, std::move(shared), whyNotShared);
     m_renderer->setBudget(options.frameSeconds, options.pointsAFrame);
-    m_viewport =
-        new Viewport(*m_renderer, *m_view,
-                     options.view != ViewKind::Raster && openGlWidgetsWork(options.view == ViewKind::OpenGl));
+    m_viewport = new Viewport(*m_renderer, *m_view, openGl);
     auto* const views = new QSplitter;
     views->addWidget(m_viewport);
     views->setCollapsible(0, false);

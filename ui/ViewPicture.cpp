@@ -115,7 +115,7 @@ void ViewPicture::renderNext(std::span<const DrawnCloud> clouds, double seconds)
     if (wantsFrame(loading)) {
         dirty = false;
         const render::FrameReport report = renderer->renderFrame(seconds);
-        if (renderer->image().width > 0) publish(report);
+        if (renderer->hasPicture()) publish(report);
     }
     if (!renderer->converged()) return;
     serveSnapshots(clouds);
@@ -141,7 +141,16 @@ void ViewPicture::converge()
 void ViewPicture::publish(const render::FrameReport& report)
 {
     const auto frame = FramePool::take(m_pool);
-    frame->image = renderer->image();
+    frame->texture = nullptr;
+    if (m_textures != nullptr && renderer->onDevice()) {
+        const render::TargetSize size = renderer->backend().target();
+        const std::shared_ptr<FrameTexture> texture = m_textures->take(size.width, size.height);
+        if (renderer->copyPicture(texture->id())) frame->texture = texture;
+    }
+    if (frame->texture)
+        frame->image = {};
+    else
+        frame->image = renderer->image();
     frame->camera = renderer->camera();
     frame->report = report;
     frame->range = renderer->range();

@@ -35,6 +35,8 @@ public:
     ViewPicture(const ViewRenderer* view, Publish publish);
     ~ViewPicture();
 
+    /// Where pictures go that stay on the device; null: nowhere, they come to memory.
+    void setTextures(FrameTextures* textures) noexcept { m_textures = textures; }
     /// Whose picture it is.
     const ViewRenderer* view() const noexcept { return m_view; }
 
@@ -88,6 +90,7 @@ private:
     const ViewRenderer* m_view;
     Publish m_publish;
     std::shared_ptr<FramePool> m_pool;
+    FrameTextures* m_textures = nullptr;
     std::vector<Capture> m_captures;
     std::vector<Snapshot> m_snapshots;
     std::uint64_t m_frames = 0;

@@ -32,7 +32,8 @@ using StoreChange = render::ProgressiveRenderer::StoreChange;
 /// What only the render thread touches.
 struct ViewRenderer::Thread {
     // Before the pictures: the first one's backend needs it to the end. Empty on the CPU.
-    render::EglContext context;
+    render::EglContext context;                          ///< empty, too, where the shared one is used
+    bool shared = false;                                 ///< the backend draws in ViewRenderer::m_shared
     std::vector<std::unique_ptr<ViewPicture>> pictures;  ///< the first view's first
     render::BackendKind kind = render::BackendKind::Cpu;
     FastestBackend fastest;
@@ -64,9 +65,16 @@ struct ViewRenderer::Thread {
     }
 };
 
-ViewRenderer::ViewRenderer(std::optional<render::BackendKind> backend, FastestBackend fastest, QObject* parent)
-    : QObject(parent), m_first(*this), m_views{this}, m_thread([this, backend, fastest = std::move(fastest)] {
+ViewRenderer::ViewRenderer(std::optional<render::BackendKind> backend, FastestBackend fastest, QObject* parent,
+                           std::unique_ptr<SharedContext> shared, const QString& whyNotShared)
+    : QObject(parent),
+      m_first(*this),
+      m_views{this},
+      m_shared(std::move(shared)),
+      m_whyNotShared(whyNotShared),
+      m_thread([this, backend, fastest = std::move(fastest)] {
           run(backend, fastest);
+          if (m_shared) m_shared->end();
       })
 {
 }
@@ -304,9 +312,21 @@ void ViewRenderer::useBackend(Thread& thread, render::BackendKind kind)
 {
     render::EglContext context;
     std::unique_ptr<render::RasterBackend> backend;
+    bool shared = false;
+    if (render::needsGl(kind) && m_shared) {
+        try {
+            if (thread.context) thread.context.doneCurrent();
+            m_shared->makeCurrent();
+            backend = render::makeBackend(kind);
+            shared = true;
+        } catch (const std::exception& e) {
+            m_whyNotShared = QString::fromLocal8Bit(e.what());
+            m_shared->doneCurrent();
+        }
+    }
     try {
-        if (render::needsGl(kind)) context = render::EglContext::create();
-        backend = render::makeBackend(kind);
+        if (!shared && render::needsGl(kind)) context = render::EglContext::create();
+        if (!shared) backend = render::makeBackend(kind);
     } catch (const std::exception& e) {
         announceFailure(
             tr("OpenGL drawing is not possible here, so the CPU draws: %1").arg(QString::fromLocal8Bit(e.what())));
@@ -317,19 +337,39 @@ void ViewRenderer::useBackend(Thread& thread, render::BackendKind kind)
     std::unique_ptr<render::ProgressiveRenderer>& renderer = thread.first().renderer;
     if (renderer) {
         // What the old backend has on the device goes while its own context is current.
-        if (thread.context) thread.context.makeCurrent();
+        if (context && thread.shared) context.doneCurrent();
+        makeCurrent(thread);
         renderer->setBackend(std::move(backend));
-        if (context) context.makeCurrent();
+        if (shared != thread.shared && thread.context) thread.context.doneCurrent();
+        if (shared != thread.shared && thread.shared) m_shared->doneCurrent();
     } else {
         renderer = std::make_unique<render::ProgressiveRenderer>(std::move(backend));
     }
     std::swap(thread.context, context);
+    thread.shared = shared;
+    makeCurrent(thread);
+    renderer->keepOnDevice(shared);
+    thread.first().setTextures(shared ? &m_shared->textures() : nullptr);
     thread.kind = kind;
     thread.first().broken = false;
+    // Somebody wanted pictures to stay on the device, and they do not.
+    const QString copied = render::needsGl(kind) && !shared && !m_whyNotShared.isEmpty()
+                               ? tr(", pictures copied: %1").arg(m_whyNotShared)
+                               : QString();
     QMetaObject::invokeMethod(
         this,
-        [this, kind, text = toQString(renderer->backend().description())] { emit backendChanged(kind, text); },
+        [this, kind, text = toQString(renderer->backend().description()) + copied] {
+            emit backendChanged(kind, text);
+        },
         Qt::QueuedConnection);
+}
+
+void ViewRenderer::makeCurrent(Thread& thread)
+{
+    if (thread.shared)
+        m_shared->makeCurrent();
+    else if (thread.context)
+        thread.context.makeCurrent();
 }
 
 void ViewRenderer::applyChoice(Thread& thread)
@@ -345,8 +385,12 @@ void ViewRenderer::applyChoice(Thread& thread)
 void ViewRenderer::measureBackends(Thread& thread)
 {
     thread.measured = true;
-    const render::BackendMeasurement measurement = render::measureBackends({thread.first().renderer->display(), false}, thread.fastest.device);
-    if (thread.context) thread.context.makeCurrent();
+    // It makes contexts of its own, and a thread has one at a time.
+    if (thread.shared) m_shared->doneCurrent();
+    if (thread.context) thread.context.doneCurrent();
+    const render::BackendMeasurement measurement =
+        render::measureBackends({thread.first().renderer->display(), bool(m_shared)}, thread.fastest.device);
+    makeCurrent(thread);
     if (measurement.device == thread.fastest.device) return;
     thread.fastest = {measurement.fastest, measurement.device};
     QMetaObject::invokeMethod(

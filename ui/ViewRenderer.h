@@ -2,6 +2,7 @@
 #pragma once
 
 #include "render/progressive/ProgressiveRenderer.h"
+#include "ui/SharedContext.h"
 
 #include <QObject>
 #include <QString>
@@ -27,7 +28,9 @@ struct FastestBackend {
 
 /// A finished picture, and what it shows. Immutable once published.
 struct Frame {
-    render::Image image;
+    render::Image image;                          ///< empty where there is a texture
+    std::shared_ptr<const FrameTexture> texture;  ///< the picture on the device; null: it is in memory
+    bool empty() const noexcept { return !texture && image.width <= 0; }
     render::Camera camera;  ///< that it was drawn with
     render::FrameReport report;
     std::pair<double, double> range;  ///< of scalar colors
@@ -78,7 +81,11 @@ class ViewRenderer final : public QObject
 public:
     /// `backend`: none for the fastest. That is `fastest`, if the device is still the same; otherwise the processor
     /// draws until nothing has happened for some seconds, and then all backends are measured.
-    ViewRenderer(std::optional<render::BackendKind> backend, FastestBackend fastest, QObject* parent = nullptr);
+    ///
+    /// `shared`: for OpenGL, whose pictures then stay on the device (Frame::texture); null: they come to memory.
+    /// `whyNotShared`: a sentence that is told where OpenGL draws then; empty: nobody wanted to.
+    ViewRenderer(std::optional<render::BackendKind> backend, FastestBackend fastest, QObject* parent = nullptr,
+                 std::unique_ptr<SharedContext> shared = nullptr, const QString& whyNotShared = {});
     /// Another view of what `first` shows, drawn by the processor from the same stores, so that it takes memory for
     /// its picture alone. Off until setOn(true). What is told of clouds is told to `first`, which must outlive it.
     explicit ViewRenderer(ViewRenderer& first, QObject* parent = nullptr);
@@ -150,6 +157,8 @@ private:
     void measureBackends(Thread& thread);
     ViewPicture& pictureOf(Thread& thread) const;
     std::unique_ptr<ViewPicture> makePicture();
+    /// Makes current what the thread's OpenGL backend draws in; nothing where the processor draws.
+    void makeCurrent(Thread& thread);
     void settleFailures(Thread& thread);
     void publish(std::shared_ptr<const Frame> frame);
     void announceFailure(const QString& sentence);
@@ -165,6 +174,8 @@ private:
     std::condition_variable m_wake;
     std::vector<ViewRenderer*> m_views;  ///< this one, and those beside it
     std::vector<Command> m_commands;
+    std::unique_ptr<SharedContext> m_shared;  ///< used by the render thread; dropped there when it does not work
+    QString m_whyNotShared;                   ///< for the render thread
     bool m_stop = false;
     std::thread m_thread;  // last: starts when everything else is there
 };

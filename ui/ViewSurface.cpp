@@ -16,8 +16,8 @@ namespace punctum::ui
 namespace
 {
 
-/// One texture, drawn over the whole widget: pixel for pixel when the sizes agree, stretched for the few frames
-/// after a change of size.
+/// One texture, the frame's or one that its picture is brought to, drawn over the whole widget: pixel for pixel
+/// when the sizes agree, stretched for the few frames after a change of size.
 class GlSurface final : public QOpenGLWidget, public ViewSurface, private QOpenGLFunctions
 {
 public:
@@ -54,13 +54,15 @@ protected:
     {
         glClearColor(0.0f, 0.0f, 0.0f, 1.0f);
         glClear(GL_COLOR_BUFFER_BIT);
-        if (!m_frame || m_frame->image.width <= 0) return;
-        upload();
+        if (!m_frame || m_frame->empty()) return;
+        if (!m_frame->texture) upload();
         glDisable(GL_BLEND);
         glDisable(GL_DEPTH_TEST);
         m_blitter.bind();
-        m_blitter.blit(m_texture, QMatrix4x4(), QOpenGLTextureBlitter::OriginTopLeft);
+        m_blitter.blit(m_frame->texture ? m_frame->texture->id() : m_texture, QMatrix4x4(),
+                       QOpenGLTextureBlitter::OriginTopLeft);
         m_blitter.release();
+        if (m_frame->texture) m_frame->texture->drawn();
     }
 
 private:

@@ -30,6 +30,7 @@ int runUiTest(int argc, char** argv, const std::function<std::unique_ptr<QObject
     if (qEnvironmentVariableIsEmpty("QT_QPA_PLATFORM") && qEnvironmentVariableIsEmpty("DISPLAY"))
         qputenv("QT_QPA_PLATFORM", "offscreen");
     std::signal(SIGXFSZ, SIG_IGN);  // as the program does: a limit on files is an error of write()
+    QCoreApplication::setAttribute(Qt::AA_ShareOpenGLContexts);  // as the program does
     QApplication application(argc, argv);
     applyTheme(application, Appearance::Dark);
     QTEST_SET_MAIN_SOURCE_PATH
