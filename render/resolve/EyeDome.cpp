@@ -47,6 +47,7 @@ EyeDomeShades::EyeDomeShades(std::span<const std::uint64_t> cells, const TargetS
 void EyeDomeShades::shadesOf(int row, std::vector<float>& out) const
 {
     const auto columns = std::size_t(m_columns);
+    const float extent = m_extent, scale = m_scale;  // not members: what is written might be they
     std::vector<float> behind(columns);
     const float* const own = m_levels.data() + std::size_t(row) * columns;
     for (const int reach : {m_reach, 2 * m_reach})
@@ -57,11 +58,11 @@ void EyeDomeShades::shadesOf(int row, std::vector<float>& out) const
             const float* const other = m_levels.data() + std::size_t(y) * columns + move;
             const int first = std::max(0, -move), last = std::min(m_columns, m_columns - move);
             for (int k = first; k < last; ++k)
-                behind[std::size_t(k)] += std::min(std::max(own[k] - other[k], 0.0f), m_extent);
+                behind[std::size_t(k)] += std::min(std::max(own[k] - other[k], 0.0f), extent);
         }
     out.resize(columns);
     for (std::size_t k = 0; k < columns; ++k)
-        out[k] = kEyeDomeDarkest + (1 - kEyeDomeDarkest) * exp2Of(-behind[k] * m_scale);
+        out[k] = kEyeDomeDarkest + (1 - kEyeDomeDarkest) * exp2Of(-behind[k] * scale);
 }
 
 }  // namespace punctum::render
