@@ -2,6 +2,7 @@
 #include "app/Console.h"
 
 #include "core/Error.h"
+#include "core/Text.h"
 #include "core/task/Progress.h"
 
 #include <unistd.h>
@@ -64,28 +65,42 @@ void ProgressBar::draw()
     std::fflush(stderr);
 }
 
-void print(std::string_view text)
+namespace
+{
+
+void writeOut(const std::string& text)
 {
     wipeBar();
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
         throw Error("The result could not be written to standard output; is the disk full?");
 }
 
+}  // namespace
+
+void print(std::string_view text)
+{
+    writeOut(printable(text, true));  // files hold whatever they like
+}
+
 void printJson(const Json& value)
 {
-    print(value.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    const std::string text = value.dump(2, ' ', false, Json::error_handler_t::replace);
+    // What JSON may hold as it is and a terminal may not, only occurs in strings: there it can be escaped.
+    writeOut(
+        withoutControls(text, [](char32_t c) { return c == '\n' ? std::string("\n") : "\\u" + hexText(c, 4); }) +
+        "\n");
 }
 
 void complain(std::string_view sentence)
 {
     wipeBar();
-    std::fprintf(stderr, "punctum: %.*s\n", int(sentence.size()), sentence.data());
+    std::fprintf(stderr, "punctum: %s\n", printable(sentence).c_str());
 }
 
 void note(std::string_view sentence)
 {
     wipeBar();
-    std::fprintf(stderr, "Note: %.*s\n", int(sentence.size()), sentence.data());
+    std::fprintf(stderr, "Note: %s\n", printable(sentence).c_str());
 }
 
 }  // namespace punctum::app

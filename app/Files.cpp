@@ -134,7 +134,7 @@ void reportWritten(const las::WriteReport& report, const fs::path& path, bool js
         return;
     }
     for (const std::string& text : report.notes) note(text);
-    print(path.string() + ": " + grouped(report.points) + " points, " + grouped(report.bytes) + " bytes\n");
+    print(path.string() + ": " + pointsText(report.points) + ", " + grouped(report.bytes) + " bytes\n");
 }
 
 DrawableCloud loadDrawable(const fs::path& path, Progress& progress, render::OrderKind order)

@@ -169,7 +169,7 @@ void runProcess(const ProcessOptions& options, Progress& progress)
                 unit.empty() ? " (the file does not say the unit of its lengths)" : " (lengths in " + unit + ")";
         }
         report.push_back(std::move(line));
-        if (!options.json) note(words[k] + ": " + grouped(changed) + " points changed" + lengths + ".");
+        if (!options.json) note(words[k] + ": " + pointsText(changed) + " changed" + lengths + ".");
     }
     las::WriteOptions write;
     write.compressed = las::isCompressedName(options.out);

@@ -268,7 +268,7 @@ void runRender(const RenderRequest& request, Progress& progress)
                    {"seconds", seconds.count()}});
     else
         print(options.out + ": " + std::to_string(width) + " x " + std::to_string(height) + " px, " +
-              grouped(points) + " points, " + renderer.shownAttribute() + "\n");
+              pointsText(points) + ", " + renderer.shownAttribute() + "\n");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "core/cloud/Buffer.h"
 
 #include "core/Error.h"
+#include "core/Text.h"
 
 #include <sys/mman.h>
 
@@ -27,8 +28,7 @@ Buffer::Buffer(std::size_t bytes) : m_size(bytes)
     if (bytes > std::numeric_limits<std::size_t>::max() / 2) throw Error("There is not enough memory for this.");
     m_mapped = (bytes + kReadableTail + kPage - 1) / kPage * kPage;
     void* p = ::mmap(nullptr, m_mapped, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (p == MAP_FAILED)
-        throw Error("There is not enough memory: " + std::to_string(bytes >> 20) + " MB more are needed.");
+    if (p == MAP_FAILED) throw Error("There is not enough memory: " + sizeText(bytes) + " more are needed.");
     // Fewer page faults and TLB misses: measured on filling columns, not needed for correctness.
     if (m_mapped >= kHugePage) (void)::madvise(p, m_mapped, MADV_HUGEPAGE);
     m_data = static_cast<std::byte*>(p);

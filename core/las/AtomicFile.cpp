@@ -2,6 +2,7 @@
 #include "core/las/AtomicFile.h"
 
 #include "core/Error.h"
+#include "core/Text.h"
 #include "core/las/Leftovers.h"
 
 #include <fcntl.h>
@@ -107,8 +108,8 @@ AtomicFile::AtomicFile(const std::filesystem::path& target, std::uint64_t expect
     };
     if (expectedBytes != 0 && ::statvfs(folder.c_str(), &room) == 0 && room.f_frsize != 0 &&
         expectedBytes / room.f_frsize > room.f_bavail)
-        throw Error(m_shown, "There is not enough room on the disk: " + std::to_string(expectedBytes >> 20) +
-                                 " MB are needed.");
+        throw Error(m_shown, "There is not enough room on the disk: " + sizeText(expectedBytes) +
+                                 (expectedBytes == 1 ? " is needed." : " are needed."));
 
     // A new file gets the mode that the user's umask gives; one that replaces another is private until it has its.
     for (int attempt = 0; attempt < 16 && m_descriptor < 0; ++attempt) {

@@ -33,29 +33,12 @@ using Row = std::vector<std::string>;
 void addTable(std::string& out, const std::string& heading, const std::vector<Row>& rows)
 {
     if (rows.empty()) return;
-    out += "\n  " + heading + "\n";
-    std::vector<std::size_t> widths;
-    for (const Row& row : rows)
-        for (std::size_t c = 0; c < row.size(); ++c) {
-            if (c == widths.size()) widths.push_back(0);
-            widths[c] = std::max(widths[c], std::min(row[c].size(), kMostColumn));
-        }
-    for (const Row& row : rows) {
-        std::string line = "   ";
-        for (std::size_t c = 0; c < row.size(); ++c) {
-            line += ' ' + row[c];
-            if (row[c].size() < widths[c]) line += std::string(widths[c] - row[c].size(), ' ');
-            line += ' ';
-        }
-        line.erase(line.find_last_not_of(' ') + 1);
-        out += line + '\n';
-    }
+    out += "\n  " + printable(heading) + "\n" + textTable(rows, {{}, 4, kMostColumn});
 }
 
-std::string shortened(std::string text)
+std::string shortened(const std::string& text)
 {
-    if (text.size() > kMostColumn) text = text.substr(0, kMostColumn - 3) + "...";
-    return text;
+    return cutToWidth(text, kMostColumn);
 }
 
 /// A row for each field, and one for all elements of an array that differ.

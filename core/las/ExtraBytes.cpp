@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/las/ExtraBytes.h"
 
+#include "core/Text.h"
 #include "core/las/SourceFile.h"
 
 #include <algorithm>
@@ -16,33 +17,12 @@ namespace
 constexpr std::size_t kNameAt = 4, kDescriptionAt = 160, kTextSize = 32;
 constexpr std::size_t kScaleAt = 112, kOffsetAt = 136;
 
-/// Length of the UTF-8 character at `p`, 0 when it is not one.
-std::size_t utf8Length(const unsigned char* p, std::size_t left)
+bool isUtf8(std::string_view text)
 {
-    const auto continued = [&](std::size_t n) {
-        if (left < n) return false;
-        return std::all_of(p + 1, p + n, [](unsigned char c) { return (c & 0xC0) == 0x80; });
-    };
-    if (p[0] < 0x80) return 1;
-    if (p[0] >= 0xC2 && p[0] <= 0xDF) return continued(2) ? 2 : 0;
-    if (p[0] >= 0xE0 && p[0] <= 0xEF) {
-        if (!continued(3) || (p[0] == 0xE0 && p[1] < 0xA0) || (p[0] == 0xED && p[1] > 0x9F)) return 0;
-        return 3;
-    }
-    if (p[0] >= 0xF0 && p[0] <= 0xF4) {
-        if (!continued(4) || (p[0] == 0xF0 && p[1] < 0x90) || (p[0] == 0xF4 && p[1] > 0x8F)) return 0;
-        return 4;
-    }
-    return 0;
-}
-
-bool isUtf8(const std::string& text)
-{
-    const auto* p = reinterpret_cast<const unsigned char*>(text.data());
-    for (std::size_t i = 0; i < text.size();) {
-        const std::size_t n = utf8Length(p + i, text.size() - i);
+    while (!text.empty()) {
+        const std::size_t n = utf8Length(text);
         if (n == 0) return false;
-        i += n;
+        text.remove_prefix(n);
     }
     return true;
 }

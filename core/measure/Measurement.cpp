@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/measure/Measurement.h"
 
-#include "core/cloud/Attribute.h"
+#include "core/cloud/ValueText.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -18,6 +18,8 @@ namespace punctum
 namespace
 {
 
+constexpr int kMoreDecimals = 3;  ///< of lengths than of steps
+constexpr int kAngleDecimals = 6;
 constexpr std::array<std::string_view, 6> kNames{"point", "distance", "height", "angle", "area", "box"};
 
 double degrees(double radians)
@@ -147,6 +149,16 @@ std::string unitText(Quantity::Unit unit, const std::string& length)
     return {};
 }
 
+int lengthDecimals(const CoordinateScale& coordinates, const glm::dvec3& stretch)
+{
+    double step = 1.0;  // the finest
+    for (int axis = 0; axis < 3; ++axis) {
+        const double length = std::abs(coordinates.scale[axis] * stretch[axis]);
+        if (length > 0 && std::isfinite(length)) step = std::min(step, length);
+    }
+    return int(std::ceil(-std::log10(step) - 1e-9)) + kMoreDecimals;
+}
+
 std::string toCsv(const std::vector<Measurement>& measurements)
 {
     std::string csv = "number,kind,file,name,value,unit\r\n";
@@ -158,12 +170,14 @@ std::string toCsv(const std::vector<Measurement>& measurements)
             csv += start + quoted(name) + ',' + value + ',' + unit + "\r\n";
         };
         if (m.kind != MeasureKind::Point)
-            for (const Quantity& q : m.quantities) line(q.name, toText(Value(q.value)), unitText(q.unit, m.length));
+            for (const Quantity& q : m.quantities)
+                line(q.name, roundedText(q.value, q.unit == Quantity::Unit::Degrees ? kAngleDecimals : m.decimals),
+                     unitText(q.unit, m.length));
         for (std::size_t p = 0; p < m.points.size(); ++p) {
             const std::string name = "Point " + std::to_string(p + 1) + ' ';
             line(name + "index", std::to_string(m.points[p].index), "");
             for (int axis = 0; axis < 3; ++axis)
-                line(name + "XYZ"[axis], toText(Value(m.points[p].world[axis])), "");
+                line(name + "XYZ"[axis], coordinateText(m.coordinates, axis, m.points[p].world[axis]), "");
         }
     }
     return csv;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/cloud/Column.h"
+#include "core/cloud/PointCloud.h"
 
 #include <glm/vec3.hpp>
 
@@ -52,17 +52,23 @@ std::vector<Quantity> quantitiesOf(MeasureKind kind, const std::vector<MeasuredP
 /// "m²" of "m"; empty for an unknown unit of length, but for angles.
 std::string unitText(Quantity::Unit unit, const std::string& length);
 
+/// Decimals of lengths between points of such a cloud: some more than its steps have. `stretch` as above.
+int lengthDecimals(const CoordinateScale& coordinates, const glm::dvec3& stretch);
+
 /// A measurement with what it is told by.
 struct Measurement {
     MeasureKind kind = MeasureKind::Distance;
-    std::string file;    ///< name of the cloud's file
-    std::string length;  ///< unit of length: "m"
+    std::string file;               ///< name of the cloud's file
+    std::string length;             ///< unit of length: "m"
+    int decimals = 6;               ///< that its quantities are told with: lengthDecimals()
+    CoordinateScale coordinates{};  ///< of the cloud: decimals of the points
     std::vector<MeasuredPoint> points;
     std::vector<Quantity> quantities;
 };
 
 /// As CSV after RFC 4180, in UTF-8: number, kind, file, name, value, unit; a line for each quantity, and for index,
-/// X, Y and Z of each point. Values have all their digits, with a point.
+/// X, Y and Z of each point. Coordinates are exact, and
+/// quantities have the decimals that make sense; both with a point.
 std::string toCsv(const std::vector<Measurement>& measurements);
 
 }  // namespace punctum

@@ -121,12 +121,20 @@ void MeasureTest::csv()
     m.kind = MeasureKind::Distance;
     m.file = "a \"b\", c.las";
     m.length = "m";
+    m.coordinates = {glm::dvec3(0.01, 0.25, 0.001), glm::dvec3(0)};
+    m.decimals = lengthDecimals(m.coordinates, glm::dvec3(1));
+    QCOMPARE(m.decimals, 6);
+    QCOMPARE(lengthDecimals({glm::dvec3(1e-7, 1e-7, 0.01), glm::dvec3(0)}, {68'000, 111'000, 1}), 6);
+    m.points = pointsAt({{849148.2, 2, 3}, {849618.48, 2, 3}});
+    // a step of hundredths, without what doubles leave behind it
+    m.quantities = quantitiesOf(m.kind, m.points, glm::dvec3(1));
+    QVERIFY(QString::fromStdString(toCsv({m})).contains(",dx,470.28,m\r\n"));
     m.points = pointsAt({{0.1, 2, 3}, {0.1, 2, 4.5}});
     m.quantities = quantitiesOf(m.kind, m.points, glm::dvec3(1));
     const QStringList lines = QString::fromStdString(toCsv({m, m})).split("\r\n");
     QCOMPARE(lines.front(), QString("number,kind,file,name,value,unit"));
     QCOMPARE(lines[1], QString("1,distance,\"a \"\"b\"\", c.las\",Distance,1.5,m"));
-    QVERIFY(lines.contains("2,distance,\"a \"\"b\"\", c.las\",Point 1 X,0.1,"));
+    QVERIFY(lines.contains("2,distance,\"a \"\"b\"\", c.las\",Point 1 X,0.10,"));
     QVERIFY(lines.contains("2,distance,\"a \"\"b\"\", c.las\",Point 2 index,10,"));
     QCOMPARE(lines.size(), 2 + 2 * (5 + 8));
     QVERIFY(lines.back().isEmpty());

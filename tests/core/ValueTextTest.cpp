@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The text of a value: exact, with the decimals of scale and offset, and read again as the same value.
+#include "core/Text.h"
 #include "core/cloud/DecimalScale.h"
 #include "core/cloud/ValueText.h"
 #include "core/expression/Condition.h"
@@ -48,6 +49,9 @@ private slots:
     void floats();
     void whatIsShownFindsItsPoints_data();
     void whatIsShownFindsItsPoints();
+    void sizes();
+    void whatMayGoToATerminal();
+    void tables();
     void realFiles_data();
     void realFiles();
 };
@@ -194,6 +198,35 @@ void ValueTextTest::whatIsShownFindsItsPoints()
                                              "X >= " + shown + " and X <= " + shown})
             QVERIFY2(found(*cloud, condition) == 1, condition.c_str());
     }
+}
+
+void ValueTextTest::sizes()
+{
+    QVERIFY(sizeText(1) == "1 byte" && sizeText(999) == "999 bytes");
+    QVERIFY(sizeText(1001) == "2 kB" && sizeText(602'001) == "603 kB");  // never too little
+    QVERIFY(sizeText(2'000'001) == "2.1 MB" && sizeText(2'100'000'000) == "2.1 GB" &&
+            sizeText(64'000'000'000) == "64 GB");
+    QVERIFY(sizeText(UINT64_MAX) == "19 EB");
+}
+
+void ValueTextTest::whatMayGoToATerminal()
+{
+    QVERIFY(printable("Höhe 高さ") == "Höhe 高さ");
+    QVERIFY(printable("\x1b[31mred\x07\x7f\n") == "?[31mred???");
+    QVERIFY(printable("two\nlines\r", true) == "two\nlines?");
+    QVERIFY(printable("\xff\xc3 \xc2\x9b m \xe2\x80\xae") == "?? ? m ?");  // no UTF-8, CSI as one character, turned
+    QCOMPARE(displayWidth("Höhe"), std::size_t(4));
+    QCOMPARE(displayWidth("高さ"), std::size_t(4));
+    QCOMPARE(displayWidth("e\u0301"), std::size_t(1));  // an accent on the e
+    QVERIFY(cutToWidth("高さ高さ高さ", 8) == "高さ...");
+    QVERIFY(cutToWidth("short", 8) == "short");
+}
+
+void ValueTextTest::tables()
+{
+    const std::string table = textTable({{"Höhe", "1"}, {"高さ", "22"}, {"a\tb", "333"}}, {{false, true}});
+    QVERIFY2(table == "  Höhe    1\n  高さ   22\n  a?b   333\n", table.c_str());
+    QVERIFY(textTable({{"a", ""}, {"bb", "c"}}, {{}, 0, 1}) == "a\nbb  c\n");
 }
 
 void ValueTextTest::realFiles_data()

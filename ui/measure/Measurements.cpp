@@ -95,6 +95,8 @@ Measurement Measurements::measure(const Document& document, MeasureKind kind, st
     m.kind = kind;
     m.file = document.name().toStdString();
     m.length = document.lengthUnit().toStdString();
+    m.coordinates = document.cloud()->coordinates();
+    m.decimals = lengthDecimals(m.coordinates, document.viewStretch(document.bounds()));
     m.quantities = quantitiesOf(kind, points, document.viewStretch(document.bounds()));
     m.points = std::move(points);
     return m;
