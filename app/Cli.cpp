@@ -31,6 +31,7 @@ void describe(CLI::App& root, Action& action)
     addInfo(root, action);
     addConvert(root, action);
     addDiff(root, action);
+    addRepair(root, action);
     addRender(root, action);
     addProcess(root, action);
     addExtract(root, action);

@@ -2,6 +2,7 @@
 #include "ui/MainWindow.h"
 
 #include "ui/ClipFrame.h"
+#include "ui/FileDoctor.h"
 #include "ui/Framing.h"
 #include "ui/HelpPages.h"
 #include "ui/MainMenu.h"
@@ -141,7 +142,7 @@ void MainWindow::addDocks()
     m_processing = new ProcessingDock(*m_workspace, this);
     m_edit = new EditDock(*m_workspace, *m_selection, *m_renderer, *m_view, this);
     m_history = new HistoryDock(*m_workspace, this);
-    m_properties = new PropertiesDock(this);
+    m_properties = new PropertiesDock(*new FileDoctor(*m_workspace, this), this);
     m_measureDock = new MeasureDock(*m_measurements, this);
     m_jobs = new JobsDock(*m_workspace, this);
     m_visibility = new VisibilityDock(*m_filter, *m_view, *m_viewport, this);

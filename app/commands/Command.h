@@ -33,6 +33,7 @@ struct Reported {
 void addInfo(CLI::App& root, Action& action);
 void addConvert(CLI::App& root, Action& action);
 void addDiff(CLI::App& root, Action& action);
+void addRepair(CLI::App& root, Action& action);
 void addRender(CLI::App& root, Action& action);
 void addProcess(CLI::App& root, Action& action);
 void addExtract(CLI::App& root, Action& action);

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <functional>
 #include <limits>
 #include <map>
 
@@ -70,6 +72,28 @@ std::vector<Extra> extraBytes(const QString& path)
 
 }  // namespace
 
+/// A LAS 1.2 file of format 0 with one point, changed before it is written.
+static void writeOnePoint(const QString& path, const std::function<void(QByteArray&)>& change)
+{
+    QByteArray b(227 + 20, '\0');
+    const auto put = [&](int at, auto value) { std::memcpy(b.data() + at, &value, sizeof value); };
+    std::memcpy(b.data(), "LASF\0\0\0\0", 8);
+    put(24, quint8(1));
+    put(25, quint8(2));
+    put(90, quint16(100));
+    put(92, quint16(2020));
+    put(94, quint16(227));
+    put(96, quint32(227));
+    put(105, quint16(20));
+    put(107, quint32(1));
+    put(111, quint32(1));
+    for (int k = 0; k < 3; ++k) put(131 + 8 * k, 0.01);
+    put(227 + 14, quint8(1 | 1 << 3));
+    change(b);
+    QFile file(path);
+    QVERIFY(file.open(QIODevice::WriteOnly) && file.write(b) == b.size());
+}
+
 class InfoCliTest : public QObject
 {
     Q_OBJECT
@@ -91,7 +115,21 @@ private slots:
         std::vector<std::string> names = namesOf(file.format());
         std::vector<Range> found(names.size());
         std::vector<double> values;
+        std::map<QString, quint64> classes, returns, pulses, flags;
+        const bool extended = file.format() >= 6;
         const std::uint64_t count = file.forEach([&](const laszip_point_struct& p) {
+            ++classes[QString::number(extended ? p.extended_classification : p.classification)];
+            ++returns[QString::number(extended ? p.extended_return_number : p.return_number)];
+            ++pulses[QString::number(extended ? p.extended_number_of_returns : p.number_of_returns)];
+            const unsigned bits = extended
+                                      ? p.extended_classification_flags
+                                      : unsigned(p.synthetic_flag | p.keypoint_flag << 1 | p.withheld_flag << 2);
+            flags["Synthetic"] += bits & 1;
+            flags["KeyPoint"] += bits >> 1 & 1;
+            flags["Withheld"] += bits >> 2 & 1;
+            flags["Overlap"] += bits >> 3 & 1;
+            flags["ScanDirectionFlag"] += p.scan_direction_flag;
+            flags["EdgeOfFlightLine"] += p.edge_of_flight_line;
             valuesOf(p, file, values);
             for (std::size_t k = 0; k < values.size(); ++k) found[k].include(values[k]);
         });
@@ -120,6 +158,28 @@ private slots:
                                          [](const auto& v) { return !v.toObject()["extended"].toBool(); });
         QCOMPARE(quint32(plain), file.records());
         QVERIFY(info["warnings"].isArray());
+        const auto counted = [](const QJsonValue& json) {
+            std::map<QString, quint64> counts;
+            const QJsonObject object = json.toObject();
+            for (auto it = object.begin(); it != object.end(); ++it) counts[it.key()] = quint64(it->toDouble());
+            return counts;
+        };
+        QVERIFY(counted(info["classes"]) == classes);
+        QVERIFY(counted(info["returns"]) == returns);
+        QVERIFY(counted(info["number_of_returns"]) == pulses);
+        QVERIFY(counted(info["flags"]) == flags);
+        if (ranges.contains("GpsTime")) {
+            QCOMPARE(info["gps_time"][0].toDouble(), ranges["GpsTime"].min);
+            QCOMPARE(info["gps_time"][1].toDouble(), ranges["GpsTime"].max);
+        } else {
+            QVERIFY(info["gps_time"].isNull());
+        }
+        for (const char* key :
+             {"density", "spacing", "guid", "software", "created", "doctor", "recovered", "losses"})
+            QVERIFY2(info.contains(key), key);
+        for (const auto& entry : info["doctor"].toArray())
+            QVERIFY(entry.toObject()["fault"].toString().endsWith('.') &&
+                    entry.toObject()["mend"].toString().endsWith('.'));
 
         std::vector<std::string> listed;
         for (const auto& entry : info["attributes"].toArray()) {
@@ -235,6 +295,107 @@ private slots:
         PUNCTUM_EXIT(run, 1);
         QVERIFY(run.oneSentence());
         QCOMPARE(run.json().array().size(), 2);
+    }
+
+    void valuesAreExact_data()
+    {
+        QTest::addColumn<double>("scale");
+        QTest::addColumn<double>("offset");
+        QTest::addColumn<int>("raw");
+        QTest::addColumn<QByteArray>("text");
+        QTest::addColumn<QByteArray>("json");
+        QTest::newRow("a quarter") << 0.25 << 0.0 << 3 << QByteArray("0.75") << QByteArray("0.75");
+        QTest::newRow("0.00025") << 0.00025 << 0.0 << 1234567 << QByteArray("308.64175") << QByteArray("308.64175");
+        QTest::newRow("finer offset") << 1.0 << 0.125 << 7 << QByteArray("7.125") << QByteArray("7.125");
+        QTest::newRow("no noise") << 0.01 << 0.0 << 84914820 << QByteArray("849148.20") << QByteArray("849148.2,");
+    }
+    void valuesAreExact()
+    {
+        QFETCH(double, scale);
+        QFETCH(double, offset);
+        QFETCH(int, raw);
+        QFETCH(QByteArray, text);
+        QFETCH(QByteArray, json);
+        QTemporaryDir folder;
+        const QString path = folder.filePath("a.las");
+        writeOnePoint(path, [&](QByteArray& b) {
+            std::memcpy(b.data() + 131, &scale, 8);
+            std::memcpy(b.data() + 155, &offset, 8);
+            std::memcpy(b.data() + 227, &raw, 4);
+        });
+        Outcome run = runPunctum({"info", path});
+        PUNCTUM_EXIT(run, 0);
+        QVERIFY2(run.out.contains(" " + text + " "), run.out);
+        run = runPunctum({"info", "--json", path});
+        PUNCTUM_EXIT(run, 0);
+        QVERIFY2(run.out.contains(json), run.out);
+        // what is listed finds the point
+        PUNCTUM_EXIT(runPunctum({"extract", path, "-o", folder.filePath("b.las"), "--where", "X == " + text}), 0);
+    }
+
+    void emptyCloudsHaveNoFigures()
+    {
+        QTemporaryDir folder;
+        const QString path = folder.filePath("a.las");
+        writeOnePoint(path, [](QByteArray& b) {
+            b.resize(227);
+            std::memset(b.data() + 107, 0, 4);
+        });
+        const Outcome run = runPunctum({"info", path});
+        PUNCTUM_EXIT(run, 0);
+        for (const char* odd : {"inf", "nan", "-0"}) QVERIFY2(!run.out.contains(QByteArray(" ") + odd), run.out);
+        QVERIFY2(run.out.contains("The file has no points."), run.out);
+    }
+
+    void nothingRawReachesTheTerminal()
+    {
+        QTemporaryDir folder;
+        const QString path = folder.filePath("a.las");
+        writeOnePoint(path, [](QByteArray& b) {
+            QByteArray record(54, '\0');
+            record.replace(2, 8, "\x1b[31mred");
+            record.replace(18, 2, QByteArray("\x07\x00", 2));
+            record.replace(22, 6, "\x1b]0;x\x07");
+            std::memcpy(b.data() + 58, "\x1b[2Jsoft", 8);
+            b.insert(227, record);
+            const quint32 offset = 227 + 54, records = 1;
+            std::memcpy(b.data() + 96, &offset, 4);
+            std::memcpy(b.data() + 100, &records, 4);
+        });
+        for (const QStringList& arguments : {QStringList{"info", path}, QStringList{"info", "--json", path}}) {
+            const Outcome run = runPunctum(arguments);
+            PUNCTUM_EXIT(run, 0);
+            for (const char c : run.out) QVERIFY2(quint8(c) >= 0x20 || c == '\n', run.out);
+            QVERIFY2(run.out.contains("[31mred"), run.out);
+        }
+    }
+
+    void repairsWhatCanBe()
+    {
+        QTemporaryDir folder;
+        const QString path = folder.filePath("a.las"), mended = folder.filePath("b.las");
+        PUNCTUM_EXIT(runPunctum({"sample", path, "--points", "5000"}), 0);
+        // a sound file: nothing is written
+        Outcome run = runPunctum({"repair", path, "-o", mended});
+        PUNCTUM_EXIT(run, 0);
+        QVERIFY2(run.out.contains("nothing to mend without guessing") && !QFile::exists(mended), run.out);
+        const QByteArray sound = contentOf(path);
+        QByteArray damaged = sound;
+        std::memset(damaged.data() + 179, 0xFF, 48);  // the box
+        std::memset(damaged.data() + 255, 0, 40);     // points by return
+        QFile file(path);
+        QVERIFY(file.open(QIODevice::WriteOnly) && file.write(damaged) == damaged.size());
+        file.close();
+        run = runPunctum({"repair", path, "-o", mended, "--json"});
+        PUNCTUM_EXIT(run, 0);
+        QCOMPARE(run.json()["mended"].toArray().size(), 2);
+        QCOMPARE(run.json()["file"].toString(), mended);
+        QVERIFY(contentOf(mended) == sound);
+        QVERIFY(contentOf(path) == damaged);
+        run = runPunctum({"repair", path, "-o", path});
+        PUNCTUM_EXIT(run, 1);
+        QVERIFY(run.oneSentence());
+        PUNCTUM_EXIT(runPunctum({"repair", path}), 2);
     }
 
     void printsText()

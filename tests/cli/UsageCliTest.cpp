@@ -13,7 +13,7 @@ using namespace punctum::test;
 namespace
 {
 
-const QStringList kCommands{"info", "convert", "diff", "render", "process", "sample", "bench"};
+const QStringList kCommands{"info", "repair", "convert", "diff", "render", "process", "sample", "bench"};
 const QStringList kBenchmarks{"load", "save", "render", "attribute", "edit", "process"};
 
 /// Every command line that has a help of its own.

@@ -177,6 +177,46 @@ private slots:
         QCOMPARE(document->unsavedChanges(), expected);
     }
 
+    void whatIsWrongIsToldAndRepaired()
+    {
+        TestWindow test;
+        const QString path = test.folder.filePath(QStringLiteral("a.las"));
+        const QString mended = test.folder.filePath(QStringLiteral("b.las"));
+        writeSample(path, 5000);
+        QFile file(path);
+        QVERIFY(file.open(QIODevice::ReadWrite));
+        const QByteArray sound = file.readAll();
+        QVERIFY(file.seek(179) && file.write(QByteArray(48, '\xff')) == 48);  // the box
+        file.close();
+        PropertiesDock& panel = test.window->propertiesDock();
+        auto* const button = panel.findChild<QPushButton*>(QStringLiteral("repair"));
+        QVERIFY(button && button->isHidden());
+        Document* const document = test.open(path);
+        QVERIFY(document);
+        QVERIFY(waitFor([&] { return !button->isHidden(); }));
+        QVERIFY2(panel.text().contains(QStringLiteral("Doctor\nThe header's box is not that of the points")),
+                 qPrintable(panel.text()));
+        for (const char* part : {"Density", "points/m", "Return 1", "2 Ground", "Software", "WKT"})
+            QVERIFY2(panel.text().contains(QLatin1String(part)), part);
+
+        panel.show();
+        panel.raise();
+        answerFileDialog(this, mended);
+        QTest::mouseClick(button, Qt::LeftButton);
+        QVERIFY(waitFor([&] { return QFileInfo::exists(mended) && !test.window->workspace().busy(); }));
+        QVERIFY2(lastSentence(test).startsWith(QStringLiteral("The fault is mended in b.las")),
+                 qPrintable(lastSentence(test)));
+        QFile repaired(mended);
+        QVERIFY(repaired.open(QIODevice::ReadOnly) && repaired.readAll() == sound);
+        QVERIFY(!document->modified());
+        QCOMPARE(document->path(), path);
+        // a sound file has nothing to offer
+        QVERIFY(test.open(mended));
+        QVERIFY(waitFor([&] { return panel.text().contains(QStringLiteral("Density")); }));
+        QVERIFY(button->isHidden());
+        QVERIFY(!panel.text().contains(QStringLiteral("Doctor")));
+    }
+
     void savingWithoutChangesSaysSo()
     {
         TestWindow test;

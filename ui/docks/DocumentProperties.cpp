@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "ui/docks/DocumentProperties.h"
 
+#include "core/Text.h"
 #include "core/cloud/ValueText.h"
+#include "core/las/Doctor.h"
+#include "core/las/HeaderWords.h"
 #include "ui/Document.h"
 #include "ui/Numbers.h"
 #include "ui/Text.h"
 
 #include <QCoreApplication>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace punctum::ui
 {
@@ -28,7 +35,7 @@ QString vectorText(const glm::dvec3& v)
     return QStringLiteral("%1\n%2\n%3").arg(text(v.x), text(v.y), text(v.z));
 }
 
-/// Of a corner of the box, or of its extent.
+/// Of a corner of the box.
 QString axesText(const glm::dvec3& v, const CoordinateScale& coordinates)
 {
     return QStringLiteral("%1\n%2\n%3")
@@ -36,9 +43,91 @@ QString axesText(const glm::dvec3& v, const CoordinateScale& coordinates)
              shownCoordinate(coordinates, 2, v.z));
 }
 
+QString extentText(const WorldBounds& box, const CoordinateScale& coordinates)
+{
+    QStringList axes;
+    for (int axis = 0; axis < 3; ++axis)
+        axes << localNumber(toQString(differenceText(coordinates, axis, box.max[axis] - box.min[axis])));
+    return axes.join(QLatin1Char('\n'));
+}
+
+PropertySection doctorSection(const std::vector<las::Finding>& findings)
+{
+    PropertySection section{tr("Doctor"), {}};
+    for (const las::Finding& f : findings) {
+        const QString mend = toQString(f.mend);
+        section.rows.push_back(
+            {{}, toQString(f.fault) + QLatin1Char('\n') + (f.repairable ? tr("Repair: %1").arg(mend) : mend)});
+    }
+    return section;
+}
+
+/// Who made the file, and what its encoding bits say.
+PropertySection originSection(const las::Header& header)
+{
+    const auto orElse = [](const std::string& text, const QString& otherwise) {
+        return text.empty() ? otherwise : toQString(text);
+    };
+    QStringList words;
+    for (const std::string& word : las::encodingWords(header)) words << toQString(word);
+    return {tr("Origin"),
+            {{tr("Created"), orElse(las::creationText(header), tr("not said"))},
+             {tr("Software"), orElse(las::headerText(header, las::at::kSoftware), tr("not said"))},
+             {tr("System"), orElse(las::headerText(header, las::at::kSystemId), tr("not said"))},
+             {tr("Project id"), orElse(las::guidText(header), tr("none"))},
+             {tr("Encoding"), words.join(QLatin1Char('\n'))}}};
+}
+
+/// Two or three digits of an estimate.
+QString estimateText(double value)
+{
+    const int decimals = value > 0 ? std::max(0, 2 - int(std::floor(std::log10(value)))) : 0;
+    return localNumber(toQString(roundedText(value, decimals)));
+}
+
+/// Counts and density of the points of the file.
+void addFigures(std::vector<PropertySection>& sections, const Document& document, const PointFigures& f)
+{
+    const glm::dvec3 stretch = document.viewStretch(document.bounds());
+    const double area = stretch.x * stretch.y;
+    PropertySection figures{tr("Points"), {}};
+    const QString unit = document.lengthUnit();
+    if (f.density > 0 && area > 0) {
+        const QString square = unit.isEmpty() ? tr("square unit") : unit + QStringLiteral("²");
+        figures.rows.push_back({tr("Density"), tr("%1 points/%2").arg(estimateText(f.density / area), square)});
+        figures.rows.push_back(
+            {tr("Spacing"), estimateText(f.spacing * std::sqrt(area)) + QLatin1Char(' ') + unit});
+    }
+    if (f.gpsTime) {
+        QString text = localNumber(toQString(shortestText(f.gpsTime->first))) + QLatin1Char('\n') +
+                       localNumber(toQString(shortestText(f.gpsTime->second)));
+        const las::Header& header = document.source().header;
+        const QString first = toQString(las::gpsDay(header, f.gpsTime->first));
+        const QString last = toQString(las::gpsDay(header, f.gpsTime->second));
+        if (!first.isEmpty() && !last.isEmpty())
+            text += QLatin1Char('\n') + (first == last ? first : tr("%1 to %2").arg(first, last));
+        figures.rows.push_back({tr("GPS time"), text});
+    }
+    for (std::size_t k = 0; k < f.returns.size(); ++k)
+        if (f.returns[k] != 0) figures.rows.push_back({tr("Return %1").arg(k), countText(f.returns[k])});
+    const std::pair<const char*, std::uint64_t> flags[] = {{"Synthetic", f.synthetic},
+                                                           {"KeyPoint", f.keyPoint},
+                                                           {"Withheld", f.withheld},
+                                                           {"Overlap", f.overlap},
+                                                           {"ScanDirectionFlag", f.scanDirection},
+                                                           {"EdgeOfFlightLine", f.edgeOfFlightLine}};
+    for (const auto& [name, count] : flags)
+        if (count != 0) figures.rows.push_back({toQString(std::string_view(name)), countText(count)});
+    if (!figures.rows.empty()) sections.push_back(figures);
+    PropertySection classes{tr("Classes"), {}};
+    for (unsigned code = 0; code < f.classes.size(); ++code)
+        if (f.classes[code] != 0) classes.rows.push_back({classText(code), countText(f.classes[code])});
+    if (!classes.rows.empty()) sections.push_back(classes);
+}
+
 }  // namespace
 
-std::vector<PropertySection> documentProperties(const Document& document)
+std::vector<PropertySection> documentProperties(const Document& document, const las::Examination* examination)
 {
     const las::SourceFile& source = document.source();
     const CoordinateScale& coordinates = document.cloud()->coordinates();
@@ -56,6 +145,8 @@ std::vector<PropertySection> documentProperties(const Document& document)
         for (const QString& warning : document.warnings()) warnings.rows.push_back({{}, warning});
         sections.push_back(warnings);
     }
+    if (examination && !examination->diagnosis.findings.empty())
+        sections.push_back(doctorSection(examination->diagnosis.findings));
     if (!document.unsavedChanges().isEmpty())
         sections.push_back({tr("Unsaved changes"), {{{}, document.unsavedChanges(), {}}}});
     if (const auto& save = document.lastSave()) {
@@ -87,17 +178,24 @@ std::vector<PropertySection> documentProperties(const Document& document)
     if (!document.bounds().empty()) {
         place.rows.push_back({tr("Lowest"), axesText(document.bounds().min, coordinates)});
         place.rows.push_back({tr("Highest"), axesText(document.bounds().max, coordinates)});
-        place.rows.push_back({tr("Extent"), axesText(document.bounds().max - document.bounds().min, coordinates)});
+        place.rows.push_back({tr("Extent"), extentText(document.bounds(), coordinates)});
     }
     place.rows.push_back({tr("System"), source.crs.empty() ? tr("not stated") : toQString(source.crs)});
     sections.push_back(place);
 
+    sections.push_back(originSection(source.header));
+    if (examination) addFigures(sections, document, examination->figures);
+
     PropertySection records{tr("Records"), {}};
     const auto list = [&](const std::vector<las::Vlr>& vlrs) {
-        for (const las::Vlr& vlr : vlrs)
+        for (const las::Vlr& vlr : vlrs) {
+            QString value =
+                vlr.extended ? tr("%1, extended").arg(bytesText(vlr.data.size())) : bytesText(vlr.data.size());
+            if (const QString words = toQString(las::recordWords(vlr)); !words.isEmpty())
+                value += QLatin1Char('\n') + words;
             records.rows.push_back(
-                {QStringLiteral("%1 / %2").arg(toQString(vlr.user())).arg(vlr.recordId),
-                 vlr.extended ? tr("%1, extended").arg(bytesText(vlr.data.size())) : bytesText(vlr.data.size())});
+                {QStringLiteral("%1 / %2").arg(toQString(printable(vlr.user()))).arg(vlr.recordId), value});
+        }
     };
     list(source.vlrs);
     list(source.evlrs);

@@ -5,6 +5,11 @@
 
 #include <vector>
 
+namespace punctum::las
+{
+struct Examination;
+}
+
 namespace punctum::ui
 {
 
@@ -21,6 +26,7 @@ struct PropertySection {
     std::vector<Row> rows;
 };
 
-std::vector<PropertySection> documentProperties(const Document& document);
+/// `examination`: null while not known.
+std::vector<PropertySection> documentProperties(const Document& document, const las::Examination* examination);
 
 }  // namespace punctum::ui

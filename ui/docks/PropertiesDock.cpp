@@ -2,10 +2,15 @@
 #include "ui/docks/PropertiesDock.h"
 
 #include "ui/Document.h"
+#include "ui/FileDoctor.h"
 #include "ui/docks/DocumentProperties.h"
 #include "ui/style/Theme.h"
 
+#include <QDir>
 #include <QEvent>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QPushButton>
 #include <QScrollBar>
 #include <QTextBrowser>
 #include <QVBoxLayout>
@@ -13,7 +18,11 @@
 namespace punctum::ui
 {
 
-PropertiesDock::PropertiesDock(QWidget* parent) : QDockWidget(tr("File"), parent), m_text(new QTextBrowser)
+PropertiesDock::PropertiesDock(FileDoctor& doctor, QWidget* parent)
+    : QDockWidget(tr("File"), parent),
+      m_doctor(doctor),
+      m_text(new QTextBrowser),
+      m_repair(new QPushButton(tr("Repair to a New File...")))
 {
     setObjectName(QStringLiteral("properties"));
     m_text->setOpenLinks(false);
@@ -25,6 +34,14 @@ PropertiesDock::PropertiesDock(QWidget* parent) : QDockWidget(tr("File"), parent
     auto* column = new QVBoxLayout(content);
     column->setContentsMargins(8, 8, 10, 8);
     column->addWidget(m_text);
+    m_repair->setObjectName(QStringLiteral("repair"));
+    m_repair->setToolTip(
+        tr("Puts right in the header what can be without guessing. Points and records stay as they are"));
+    connect(m_repair, &QPushButton::clicked, this, &PropertiesDock::repair);
+    column->addWidget(m_repair);
+    connect(&m_doctor, &FileDoctor::examined, this, [this](const Document* document) {
+        if (document == m_document) update();
+    });
     setWidget(content);
     update();
 }
@@ -40,6 +57,17 @@ void PropertiesDock::setDocument(Document* document)
     m_document = document;
     if (document) connect(document, &Document::stateChanged, this, &PropertiesDock::update);
     update();
+}
+
+void PropertiesDock::repair()
+{
+    if (!m_document) return;
+    const QFileInfo file(m_document->path());
+    const QString suggested =
+        file.dir().filePath(file.completeBaseName() + QStringLiteral("-repaired.") + file.suffix());
+    const QString path = QFileDialog::getSaveFileName(window(), tr("Repair %1 to a new file").arg(file.fileName()),
+                                                      suggested, tr("Point clouds (*.%1)").arg(file.suffix()));
+    if (!path.isEmpty() && m_document) m_doctor.repair(*m_document, path);
 }
 
 void PropertiesDock::changeEvent(QEvent* event)
@@ -58,7 +86,7 @@ void PropertiesDock::update()
     } else {
         html = QStringLiteral("<table width='100%' cellspacing='0' cellpadding='2'>");
         bool first = true;
-        for (const PropertySection& section : documentProperties(*m_document)) {
+        for (const PropertySection& section : documentProperties(*m_document, m_doctor.of(*m_document))) {
             html += QStringLiteral(
                         "<tr><td colspan='2' style='padding-top:%1px; padding-bottom:2px; color:%2; "
                         "font-weight:600'>%3</td></tr>")
@@ -73,7 +101,8 @@ void PropertiesDock::update()
                                 .arg(value.toHtmlEscaped());
                     m_details << details;
                 } else if (name.isEmpty())
-                    html += QStringLiteral("<tr><td colspan='2'>%1</td></tr>").arg(value.toHtmlEscaped());
+                    html += QStringLiteral("<tr><td colspan='2'>%1</td></tr>")
+                                .arg(value.toHtmlEscaped().replace(QLatin1Char('\n'), QLatin1String("<br>")));
                 else
                     html += QStringLiteral(
                                 "<tr><td width='44%' style='color:%1; padding-right:10px'>%2</td><td>%3</td></tr>")
@@ -83,6 +112,8 @@ void PropertiesDock::update()
         }
         html += QStringLiteral("</table>");
     }
+    const las::Examination* const found = m_document ? m_doctor.of(*m_document) : nullptr;
+    m_repair->setVisible(found && found->diagnosis.repairable());
     const int place = m_text->verticalScrollBar()->value();
     m_text->setHtml(html);
     m_text->verticalScrollBar()->setValue(place);

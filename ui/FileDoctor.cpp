@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#include "ui/FileDoctor.h"
+
+#include "core/las/Repair.h"
+#include "core/task/Progress.h"
+#include "ui/Document.h"
+#include "ui/Text.h"
+#include "ui/Workspace.h"
+
+#include <QDir>
+#include <QPointer>
+
+#include <mutex>
+#include <optional>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+bool edited(OpenCloud& data)
+{
+    const std::lock_guard gate(data.editGate);
+    return data.edits != 0;
+}
+
+/// What was done and what was not, in lines.
+QString details(const las::RepairReport& report)
+{
+    QString text;
+    const auto list = [&](const QString& heading, const std::vector<las::Finding>& findings) {
+        if (findings.empty()) return;
+        text += (text.isEmpty() ? QString() : QStringLiteral("\n")) + heading + QLatin1Char('\n');
+        for (const las::Finding& f : findings)
+            text += QStringLiteral("- ") + toQString(f.fault) + QStringLiteral("\n  ") + toQString(f.mend) +
+                    QLatin1Char('\n');
+    };
+    list(FileDoctor::tr("Mended"), report.mended);
+    list(FileDoctor::tr("Left as it is"), report.left);
+    return text;
+}
+
+}  // namespace
+
+FileDoctor::FileDoctor(Workspace& workspace, QObject* parent) : QObject(parent), m_workspace(workspace)
+{
+    connect(&workspace, &Workspace::documentLoaded, this, [this](Document* document) { examine(*document); });
+    connect(&workspace, &Workspace::documentRemoved, this,
+            [this](const Document* document, bool) { m_examined.erase(document); });
+    connect(&workspace, &Workspace::saved, this, [this](const Document* document) {
+        if (m_examined.erase(document) != 0) emit examined(document);  // another file holds it now
+    });
+}
+
+const las::Examination* FileDoctor::of(const Document& document) const
+{
+    const auto found = m_examined.find(&document);
+    return found == m_examined.end() ? nullptr : found->second.get();
+}
+
+void FileDoctor::examine(Document& document)
+{
+    const auto result = std::make_shared<std::optional<las::Examination>>();
+    const JobId job = m_workspace.startJob(
+        tr("Look through %1").arg(document.name()),
+        [data = document.data(), result](Progress& progress) {
+            las::Examination found = las::examine(*data->cloud, progress);
+            if (!edited(*data)) *result = std::move(found);
+        },
+        [self = QPointer(this), target = QPointer(&document), result](const JobInfo&) {
+            if (!self || !target || !*result) return;
+            self->m_examined[target.data()] = std::make_shared<const las::Examination>(std::move(**result));
+            emit self->examined(target.data());
+        },
+        true);
+    m_workspace.tie(document, job);
+}
+
+void FileDoctor::repair(const Document& document, const QString& path)
+{
+    const std::filesystem::path target = toPath(QDir::cleanPath(QDir::current().absoluteFilePath(path)));
+    const auto report = std::make_shared<las::RepairReport>();
+    m_workspace.startJob(
+        tr("Repair %1").arg(document.name()),
+        [in = toPath(document.path()), target, report](Progress& progress) {
+            *report = las::repair(in, target, progress);
+        },
+        [workspace = QPointer(&m_workspace), target, report](const JobInfo& info) {
+            if (!workspace) return;
+            if (info.state == JobState::Failed) workspace->say(MessageKind::Error, toQString(info.error));
+            if (info.state != JobState::Finished) return;
+            const auto mended = report->mended.size(), left = report->left.size();
+            QString sentence = tr("There is nothing to mend without guessing; nothing was written.");
+            if (report->written)
+                sentence =
+                    mended + left == 1
+                        ? tr("The fault is mended in %1, whose points are those of the file.")
+                              .arg(toQString(target.filename()))
+                        : tr("%1 of %2 faults are mended in %3, whose points are those of the file.")
+                              .arg(countText(mended), countText(mended + left), toQString(target.filename()));
+            for (const std::string& note : report->notes) sentence += QLatin1Char(' ') + toQString(note);
+            workspace->say(MessageKind::Info, sentence, details(*report));
+        });
+}
+
+}  // namespace punctum::ui
