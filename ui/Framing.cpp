@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "ui/Framing.h"
 
+#include "core/task/Progress.h"
+#include "ui/Document.h"
+#include "ui/Text.h"
+#include "ui/ViewFilter.h"
 #include "ui/Viewport.h"
 #include "ui/Workspace.h"
 
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <memory>
 
 namespace punctum::ui
 {
@@ -17,10 +22,15 @@ namespace
 constexpr double kNeighbors = 20.0;  // times the largest file's extent
 constexpr double kSpeck = 8.0;       // px: what is smaller cannot be seen
 
+bool same(const WorldBounds& a, const WorldBounds& b)
+{
+    return a.min == b.min && a.max == b.max;
+}
+
 }  // namespace
 
-Framing::Framing(Workspace& workspace, Viewport& viewport, QObject* parent)
-    : QObject(parent), m_workspace(workspace), m_viewport(viewport)
+Framing::Framing(Workspace& workspace, const ViewFilter& filter, Viewport& viewport, QObject* parent)
+    : QObject(parent), m_workspace(workspace), m_filter(filter), m_viewport(viewport)
 {
     connect(&workspace, &Workspace::documentAdded, this, &Framing::documentAdded);
     connect(&workspace, &Workspace::documentLoaded, this, &Framing::documentLoaded);
@@ -28,10 +38,18 @@ Framing::Framing(Workspace& workspace, Viewport& viewport, QObject* parent)
     connect(&workspace, &Workspace::documentStateChanged, this, &Framing::updateSceneBounds);
 }
 
+WorldBounds Framing::boundsOf(const Document& document) const
+{
+    // What was found holds as long as the points are where they were.
+    const auto found = m_extents.find(&document);
+    const bool known = found != m_extents.end() && same(found->second.all, document.bounds());
+    return known ? found->second.typical : document.bounds();
+}
+
 void Framing::updateSceneBounds()
 {
     WorldBounds all;
-    for (const Document* document : m_workspace.documents()) all.include(document->bounds());
+    for (const Document* document : m_workspace.documents()) all.include(boundsOf(*document));
     const auto& documents = m_workspace.documents();
     m_viewport.setSceneBounds(all, documents.empty() ? glm::dvec3(1.0) : documents.front()->viewStretch(all));
 }
@@ -39,15 +57,84 @@ void Framing::updateSceneBounds()
 void Framing::fitFor(const Document& document)
 {
     // Neighbors are shown together; of surveys far apart this one, because both would be specks.
-    WorldBounds all = document.bounds();
+    WorldBounds all = boundsOf(document);
     double largest = 0.0;
     for (const Document* other : m_workspace.documents()) {
-        all.include(other->bounds());
-        if (!other->bounds().empty())
-            largest = std::max(largest, glm::length(other->bounds().max - other->bounds().min));
+        const WorldBounds bounds = boundsOf(*other);
+        all.include(bounds);
+        if (!bounds.empty()) largest = std::max(largest, glm::length(bounds.max - bounds.min));
     }
     const bool together = all.empty() || glm::length(all.max - all.min) <= kNeighbors * largest;
-    m_viewport.fitTo(together ? all : document.bounds(), false);
+    m_viewport.fitTo(together ? all : boundsOf(document), false);
+    m_fitted = {};
+    if (const auto found = m_extents.find(&document); found != m_extents.end()) m_fitted = found->second;
+    m_fittedAll = false;
+}
+
+// -- what is shown
+
+void Framing::find(const std::vector<Document*>& documents, Found found)
+{
+    struct Part {
+        std::shared_ptr<PointCloud> cloud;
+        RawBounds readable;
+        glm::dvec3 stretch{1.0};
+        Visibility visibility;
+    };
+    std::vector<Part> parts;
+    const auto extent = std::make_shared<ShownExtent>();
+    for (const Document* document : documents) {
+        if (document->loading()) {
+            // Its points are not there yet.
+            extent->include({document->bounds(), document->bounds(), document->points(), 0});
+            continue;
+        }
+        parts.push_back({document->cloud(), document->rawBounds(), document->viewStretch(document->bounds()),
+                         m_filter.visibility(*document)});
+    }
+    m_workspace.startJob(
+        tr("Fit"),
+        [parts = std::move(parts), extent](Progress& progress) {
+            for (const Part& part : parts) {
+                const auto hidden = hiddenPoints(*part.cloud, part.visibility, progress);
+                extent->include(shownExtent(*part.cloud, part.readable, hidden.get(), part.stretch, progress));
+            }
+        },
+        [extent, found = std::move(found)](const JobInfo& info) {
+            if (info.state == JobState::Finished) found(*extent);
+        },
+        true);
+}
+
+void Framing::fitTo(const ShownExtent& extent)
+{
+    if (extent.points == 0) {
+        m_workspace.say(MessageKind::Info, tr("No point is shown, so there is nothing to fit the view to."));
+        return;
+    }
+    // Where all but the strays are shown already, they are what is asked for.
+    m_fittedAll =
+        extent.strays > 0 && m_viewport.fitted() && !m_fittedAll && same(m_fitted.typical, extent.typical);
+    m_fitted = extent;
+    m_viewport.fitTo(m_fittedAll ? extent.all : extent.typical);
+}
+
+void Framing::fitShown(const std::vector<Document*>& documents)
+{
+    if (documents.empty()) return;
+    find(documents, [this, request = ++m_request](const ShownExtent& extent) {
+        if (request == m_request) fitTo(extent);
+    });
+}
+
+void Framing::fitAll()
+{
+    fitShown(m_workspace.documents());
+}
+
+void Framing::fitActive()
+{
+    if (Document* const active = m_workspace.active()) fitShown({active});
 }
 
 bool Framing::showsAnything() const
@@ -55,14 +142,11 @@ bool Framing::showsAnything() const
     const QSize size = m_viewport.pictureSize();
     const auto& documents = m_workspace.documents();
     return std::any_of(documents.begin(), documents.end(), [&](const Document* document) {
-        return m_viewport.camera().seenSize(document->bounds(), {size.width(), size.height()}) >= kSpeck;
+        return m_viewport.camera().seenSize(boundsOf(*document), {size.width(), size.height()}) >= kSpeck;
     });
 }
 
-void Framing::fitActive()
-{
-    if (const Document* active = m_workspace.active()) m_viewport.fitTo(active->bounds());
-}
+// -- files that come and go
 
 void Framing::documentAdded(Document* document)
 {
@@ -75,12 +159,27 @@ void Framing::documentLoaded(Document* document)
 {
     updateSceneBounds();
     // The header's box was only a first idea.
-    if (m_camerasBefore[document].second == m_viewport.userMoves()) fitFor(*document);
+    const std::uint64_t moves = m_camerasBefore[document].second;
     m_camerasBefore.erase(document);
+    find({document}, [this, moves, target = QPointer<Document>(document)](const ShownExtent& extent) {
+        if (!target) return;
+        m_extents[target] = extent;
+        updateSceneBounds();
+        if (moves == m_viewport.userMoves()) fitFor(*target);
+        if (extent.strays > 0)
+            m_workspace.say(
+                MessageKind::Info,
+                extent.strays == 1
+                    ? tr("%1: one point lies far away from all the others, outside the view. F shows it, too.")
+                          .arg(target->name())
+                    : tr("%1: %2 lie far away from all the others, outside the view. F shows them, too.")
+                          .arg(target->name(), pointsText(extent.strays)));
+    });
 }
 
 void Framing::documentRemoved(Document* document, bool openingFailed)
 {
+    m_extents.erase(document);
     updateSceneBounds();
     const auto found = m_camerasBefore.find(document);
     const auto before =

@@ -78,10 +78,12 @@ void showShortcutsPage(QWidget* parent, const std::vector<MainMenu::Shortcut>& s
     auto* column = static_cast<QVBoxLayout*>(dialog->layout());
     const std::pair<QString, QString> mouse[] = {
         {QObject::tr("Left drag"), QObject::tr("Turn the view about the pivot")},
-        {QObject::tr("Right or middle drag"), QObject::tr("Move the view sideways")},
+        {QObject::tr("Right or middle drag"), QObject::tr("Move the view sideways, with what is under the mouse")},
         {QObject::tr("Wheel"), QObject::tr("Zoom to what is under the cursor")},
         {QObject::tr("Double-click or middle click"), QObject::tr("Make this point the pivot")},
-        {QObject::tr("Arrow keys"), QObject::tr("Walk the section that is open")},
+        {QObject::tr("Arrow keys"), QObject::tr("Turn the view; walk the section that is open")},
+        {QObject::tr("Ctrl and arrow keys"), QObject::tr("Move the view sideways")},
+        {QObject::tr("Ctrl++ and Ctrl+-, page up and down"), QObject::tr("Zoom in and out")},
         {QObject::tr("Ctrl and wheel over a section"), QObject::tr("Width of the section")},
         {QObject::tr("Drop an attribute"), QObject::tr("Color the points by it")},
         {QObject::tr("Drop files"), QObject::tr("Open them")},

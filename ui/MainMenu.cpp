@@ -145,9 +145,10 @@ void MainMenu::makeView()
     ViewSettings& settings = m_window.viewSettings();
 
     fit = add(menu, tr("&Fit All"), QStringLiteral("fit"), {QKeySequence(Qt::Key_F)},
-              tr("Show everything that is open"), [&viewport] { viewport.fit(); });
+              tr("Show all points that are shown, without strays far away; once more, with them"),
+              [this] { m_window.fitAll(); });
     QAction* fitActive = add(menu, tr("Fit Acti&ve File"), {}, {QKeySequence(Qt::SHIFT | Qt::Key_F)},
-                             tr("Show all of the active file"), [this] { m_window.fitActive(); });
+                             tr("The same of the active file"), [this] { m_window.fitActive(); });
     m_needDocument.push_back(fitActive);
     QMenu* standard = menu->addMenu(tr("&Standard Views"));
     m_views = new QActionGroup(this);

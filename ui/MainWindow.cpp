@@ -88,8 +88,8 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     views->addWidget(m_viewport);
     views->setCollapsible(0, false);
     setCentralWidget(views);
-    m_framing = new Framing(*m_workspace, *m_viewport, this);
     m_filter = new ViewFilter(*m_workspace, *m_renderer, *m_view, this);
+    m_framing = new Framing(*m_workspace, *m_filter, *m_viewport, this);
     m_selection = new Selection(*m_workspace, *m_renderer, *m_view, *m_filter, this);
     m_undoOrder = new UndoOrder(*m_workspace, *m_selection, this);
     m_shown = new ShownCount(*m_workspace, *m_view, *m_filter, this);
@@ -288,6 +288,11 @@ void MainWindow::documentRemoved(Document* document)
 {
     m_renderer->removeCloud(document->cloud());
     updateTitle();
+}
+
+void MainWindow::fitAll()
+{
+    m_framing->fitAll();
 }
 
 void MainWindow::fitActive()

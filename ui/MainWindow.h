@@ -119,6 +119,7 @@ public slots:
     void saveTo(Document& document, const QString& path);
     /// Shows the next (1) or previous (-1) attribute of the active document.
     void stepAttribute(int direction);
+    void fitAll();
     void fitActive();
     void setTransparentScreenshots(bool on) { m_transparentScreenshots = on; }
     void showAttribute(const QString& name);

@@ -215,9 +215,9 @@ void ViewPicture::serveCaptures()
     }
 }
 
-std::optional<PickedPoint> ViewPicture::pick(int x, int y, std::span<const DrawnCloud> clouds) const
+std::optional<PickedPoint> ViewPicture::pick(int x, int y, int radius, std::span<const DrawnCloud> clouds) const
 {
-    const auto hit = renderer ? renderer->pick(x, y) : std::nullopt;
+    const auto hit = renderer ? renderer->pick(x, y, radius) : std::nullopt;
     if (!hit || hit->cloud >= clouds.size()) return std::nullopt;
     const auto& store = clouds[hit->cloud].store;
     const PointCloud& cloud = store->cloud();

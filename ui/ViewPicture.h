@@ -70,7 +70,7 @@ public:
     /// What waits for a finished picture gets it now, before the view is switched off.
     void finishAndServe(std::span<const DrawnCloud> clouds);
     void refuse();
-    std::optional<PickedPoint> pick(int x, int y, std::span<const DrawnCloud> clouds) const;
+    std::optional<PickedPoint> pick(int x, int y, int radius, std::span<const DrawnCloud> clouds) const;
 
 private:
     struct Capture {

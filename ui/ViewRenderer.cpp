@@ -267,10 +267,10 @@ void ViewRenderer::snapshot(std::shared_ptr<const PointCloud> cloud, QObject* re
     });
 }
 
-void ViewRenderer::pick(int x, int y, QObject* receiver, PickReply reply)
+void ViewRenderer::pick(int x, int y, QObject* receiver, PickReply reply, int radius)
 {
-    post([x, y, target = QPointer<QObject>(receiver), reply = std::move(reply), this](Thread& thread) {
-        const auto picked = pictureOf(thread).pick(x, y, thread.clouds);
+    post([x, y, radius, target = QPointer<QObject>(receiver), reply = std::move(reply), this](Thread& thread) {
+        const auto picked = pictureOf(thread).pick(x, y, radius, thread.clouds);
         // By way of this object: it outlives the thread, the receiver need not.
         QMetaObject::invokeMethod(
             this,

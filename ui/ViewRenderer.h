@@ -121,8 +121,10 @@ public:
     void snapshot(std::shared_ptr<const PointCloud> cloud, QObject* receiver, SnapshotReply reply);
 
     using PickReply = std::function<void(const std::optional<PickedPoint>&)>;
-    /// What is at this px of the picture; `reply` is called in the thread of `receiver`, unless that is gone.
-    void pick(int x, int y, QObject* receiver, PickReply reply);
+    /// The point nearest to this px of the picture, up to `radius` px away; `reply` is called in the thread of
+    /// `receiver`, unless that is gone.
+    void pick(int x, int y, QObject* receiver, PickReply reply, int radius = kPickRadius);
+    static constexpr int kPickRadius = 4;  ///< px
 
     /// Called in the render thread, once the picture is finished (all points read and drawn); null when the view
     /// ended before. `transparent`: without the background.

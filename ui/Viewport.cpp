@@ -5,13 +5,16 @@
 #include "ui/Document.h"
 #include "ui/MessageArea.h"
 #include "ui/Overlays.h"
+#include "ui/PivotMark.h"
 #include "ui/Text.h"
+#include "ui/ViewNavigator.h"
 #include "ui/ViewSettings.h"
 #include "ui/ViewSurface.h"
 #include "ui/marks/LegendOf.h"
 
 #include <QDragEnterEvent>
 #include <QDropEvent>
+#include <QKeyEvent>
 #include <QMimeData>
 #include <QMouseEvent>
 #include <QUrl>
@@ -53,6 +56,8 @@ Viewport::Viewport(ViewRenderer& renderer, ViewSettings& settings, bool openGl, 
       m_settings(settings),
       m_surface(makeViewSurface(*this, openGl)),
       m_clipFrame(new ClipFrame(*this)),
+      m_pivotMark(new PivotMark(this)),
+      m_navigator(new ViewNavigator(*this, *m_pivotMark)),
       m_title(new TitleOverlay(this)),
       m_legend(new LegendOverlay(this)),
       m_compass(new CompassOverlay(this)),
@@ -72,6 +77,11 @@ Viewport::Viewport(ViewRenderer& renderer, ViewSettings& settings, bool openGl, 
     m_flight->setDuration(kFlightTime);
     connect(m_flight, &QVariantAnimation::valueChanged, this, [this](const QVariant& t) {
         applyCamera(Navigation::between(m_flightStart, m_flightEnd, t.toDouble()));
+    });
+    connect(m_navigator, &ViewNavigator::cameraMoved, this, &Viewport::userCamera);
+    connect(m_navigator, &ViewNavigator::flownTo, this, [this](const render::Camera& camera) {
+        ++m_userMoves;
+        setCamera(camera, true);
     });
     connect(m_empty, &EmptyPage::openRequested, this, &Viewport::openRequested);
     connect(m_messages, &MessageArea::resized, this, &Viewport::placeOverlays);
@@ -111,6 +121,7 @@ void Viewport::applyCamera(const render::Camera& camera)
     m_camera = camera;
     m_renderer.setCamera(camera);
     m_clipFrame->setCamera(camera);
+    m_pivotMark->setCamera(camera, m_pixelRatio);
     m_compass->setCamera(camera, pictureSize().height(), m_pixelRatio, viewUnit());
     emit cameraChanged();
 }
@@ -118,7 +129,7 @@ void Viewport::applyCamera(const render::Camera& camera)
 void Viewport::setCamera(const render::Camera& camera, bool animated)
 {
     m_flight->stop();
-    m_zoomTarget.reset();
+    m_navigator->forgetTarget();
     m_fitted = false;
     if (!animated || !isVisible()) {
         applyCamera(camera);
@@ -129,9 +140,17 @@ void Viewport::setCamera(const render::Camera& camera, bool animated)
     m_flight->start();
 }
 
+void Viewport::setSceneBounds(const WorldBounds& bounds, const glm::dvec3& stretch)
+{
+    m_bounds = bounds;
+    m_stretch = stretch;
+    m_navigator->setReach(ViewReach::of(bounds, stretch));
+}
+
 void Viewport::setFlat()
 {
     m_flat = true;
+    m_navigator->setFlat();
     setAccessibleName(tr("Section of the point cloud"));
     setDocument(m_document, m_documents);
 }
@@ -187,27 +206,13 @@ void Viewport::setStandardView(const QString& name)
     m_fitted = true;
 }
 
-void Viewport::centerOn(QPointF position)
-{
-    const glm::dvec2 px = toPicture(position);
-    m_renderer.pick(int(px.x), int(px.y), this, [this](const std::optional<PickedPoint>& point) {
-        if (!point) return;
-        ++m_userMoves;
-        setCamera(Navigation::centered(m_camera, point->world), true);
-    });
-}
-
-// -- mouse
+// -- mouse and keys
 
 void Viewport::mousePressEvent(QMouseEvent* event)
 {
     setFocus(Qt::MouseFocusReason);
     m_mouse = event->position();
-    if (event->button() == Qt::LeftButton)
-        m_navigation.begin(m_flat ? Navigation::Drag::Pan : Navigation::Drag::Orbit, toPicture(m_mouse));
-    else if (event->button() == Qt::RightButton || event->button() == Qt::MiddleButton)
-        m_navigation.begin(Navigation::Drag::Pan, toPicture(m_mouse));
-    m_zoomTarget.reset();
+    m_navigator->press(*event);
     event->accept();
 }
 
@@ -215,59 +220,37 @@ void Viewport::mouseMoveEvent(QMouseEvent* event)
 {
     m_mouse = event->position();
     m_mouseInside = rect().contains(m_mouse.toPoint());
-    m_zoomTarget.reset();
-    if (m_navigation.drag() != Navigation::Drag::None) {
-        render::Camera camera = m_camera;
-        if (m_navigation.move(toPicture(m_mouse), camera)) userCamera(camera);
-        setCursor(m_navigation.moved() ? Qt::ClosedHandCursor : Qt::ArrowCursor);
-    } else {
+    m_navigator->move(m_mouse);
+    if (m_navigator->dragging())
+        setCursor(m_navigator->moved() ? Qt::ClosedHandCursor : Qt::ArrowCursor);
+    else
         requestHover();
-    }
     event->accept();
 }
 
 void Viewport::mouseReleaseEvent(QMouseEvent* event)
 {
-    const bool click = !m_navigation.moved();
-    m_navigation.end();
+    m_navigator->release(*event);
     unsetCursor();
-    if (click && event->button() == Qt::MiddleButton) centerOn(event->position());
     event->accept();
 }
 
 void Viewport::mouseDoubleClickEvent(QMouseEvent* event)
 {
-    if (event->button() == Qt::LeftButton) centerOn(event->position());
+    if (event->button() == Qt::LeftButton) m_navigator->centerOn(event->position());
     event->accept();
 }
 
 void Viewport::wheelEvent(QWheelEvent* event)
 {
-    const double notches = event->angleDelta().y() / 120.0;
-    event->accept();
-    if (notches == 0.0) return;
     m_mouse = event->position();
-    m_zoomNotches += notches;
-    if (m_zoomTarget) {
-        applyZoom();
-        return;
-    }
-    if (m_zoomAsked) return;
-    m_zoomAsked = true;
-    const glm::dvec2 px = toPicture(m_mouse);
-    m_renderer.pick(int(px.x), int(px.y), this, [this, px](const std::optional<PickedPoint>& point) {
-        m_zoomAsked = false;
-        const QSize size = pictureSize();
-        m_zoomTarget = point ? point->world : m_camera.unproject(px, {size.width(), size.height()});
-        applyZoom();
-    });
+    m_navigator->wheel(*event);
+    event->accept();
 }
 
-void Viewport::applyZoom()
+void Viewport::keyPressEvent(QKeyEvent* event)
 {
-    render::Camera camera = m_camera;
-    Navigation::zoom(std::exchange(m_zoomNotches, 0.0), *m_zoomTarget, camera);
-    userCamera(camera);
+    if (!m_document || !m_navigator->key(*event)) QWidget::keyPressEvent(event);
 }
 
 void Viewport::leaveEvent(QEvent* event)
@@ -352,7 +335,7 @@ void Viewport::sendSize()
     const bool ratioChanged = ratio != m_pixelRatio;
     m_pixelRatio = ratio;
     const QSize size = pictureSize();
-    m_navigation.setSize({size.width(), size.height()});
+    m_navigator->setSize({size.width(), size.height()});
     m_renderer.setSize(size.width(), size.height());
     if (ratioChanged) sendDisplay();
     if (m_fitted)

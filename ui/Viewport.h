@@ -2,7 +2,6 @@
 #pragma once
 
 #include "render/camera/Camera.h"
-#include "ui/Navigation.h"
 #include "ui/ViewRenderer.h"
 
 #include <QPointer>
@@ -23,7 +22,9 @@ class DropHint;
 class EmptyPage;
 class LegendOverlay;
 class MessageArea;
+class PivotMark;
 class TitleOverlay;
+class ViewNavigator;
 class ViewSettings;
 class ViewSurface;
 
@@ -31,8 +32,7 @@ class ViewSurface;
 inline constexpr char kAttributeMimeType[] = "application/x-punctum-attribute";
 
 /// The view: shows the render thread's newest picture, owns the camera, and turns mouse and drops into what they
-/// mean. Left drag orbits, right and middle drag pan, the wheel zooms to what is under the cursor, a double click
-/// (or a middle click) makes the point under the cursor the pivot.
+/// mean; ViewNavigator moves the camera.
 ///
 /// GUI thread only. Borrows renderer and settings, which must outlive it.
 class Viewport final : public QWidget
@@ -60,11 +60,7 @@ public:
     void holdCamera();
     /// The box of all that is open; what fit() and the first view go by. `stretch`: of cameras from the next fit
     /// on.
-    void setSceneBounds(const WorldBounds& bounds, const glm::dvec3& stretch)
-    {
-        m_bounds = bounds;
-        m_stretch = stretch;
-    }
+    void setSceneBounds(const WorldBounds& bounds, const glm::dvec3& stretch);
     /// Whether it shows all, as no one has moved the camera since.
     bool fitted() const noexcept { return m_fitted; }
     /// Shows all of it, and goes on doing so when the size changes, until the user moves the camera.
@@ -115,6 +111,7 @@ protected:
     void mouseReleaseEvent(QMouseEvent* event) override;
     void mouseDoubleClickEvent(QMouseEvent* event) override;
     void wheelEvent(QWheelEvent* event) override;
+    void keyPressEvent(QKeyEvent* event) override;
     void leaveEvent(QEvent* event) override;
     void dragEnterEvent(QDragEnterEvent* event) override;
     void dragLeaveEvent(QDragLeaveEvent* event) override;
@@ -131,14 +128,14 @@ private:
     void sendSize();
     void placeOverlays();
     void updateLegend();
-    void centerOn(QPointF position);
     void requestHover();
-    void applyZoom();
 
     ViewRenderer& m_renderer;
     ViewSettings& m_settings;
     ViewSurface* m_surface = nullptr;  ///< a child widget
     ClipFrame* m_clipFrame = nullptr;
+    PivotMark* m_pivotMark = nullptr;
+    ViewNavigator* m_navigator = nullptr;
     TitleOverlay* m_title = nullptr;
     QWidget* m_underTitle = nullptr;
     LegendOverlay* m_legend = nullptr;
@@ -152,7 +149,6 @@ private:
     std::shared_ptr<const Frame> m_frame;
 
     render::Camera m_camera, m_flightStart, m_flightEnd;
-    Navigation m_navigation;
     WorldBounds m_bounds;
     glm::dvec3 m_stretch{1.0};
     WorldBounds m_fitBounds;  ///< what was fitted last
@@ -164,11 +160,8 @@ private:
 
     QPointF m_mouse;
     bool m_mouseInside = false;
-    bool m_hoverAsked = false;   ///< a pick for the read-out is on its way
-    bool m_hoverAgain = false;   ///< and the mouse has moved since
-    double m_zoomNotches = 0.0;  ///< turned and not yet applied: waits for what is under the cursor
-    bool m_zoomAsked = false;
-    std::optional<glm::dvec3> m_zoomTarget;  ///< holds while the cursor rests
+    bool m_hoverAsked = false;  ///< a pick for the read-out is on its way
+    bool m_hoverAgain = false;  ///< and the mouse has moved since
 };
 
 }  // namespace punctum::ui

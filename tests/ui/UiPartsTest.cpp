@@ -16,6 +16,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <vector>
 
 using namespace punctum;
 using namespace punctum::ui;
@@ -74,6 +75,59 @@ private slots:
         const glm::dvec3 after = camera.project(mark, {800, 600});
         QVERIFY(std::abs(after.x - before.x - 60) < 1e-6);
         QVERIFY(std::abs(after.y - before.y + 30) < 1e-6);
+    }
+    void panFollowsWhatIsUnderTheMouse()
+    {
+        Navigation navigation;
+        navigation.setSize({800, 600});
+        render::Camera camera = cameraOver({0, 0, 0});
+        // A place twice as far away as the pivot, under the mouse.
+        const glm::dvec3 mark = camera.eye + (camera.pivot - camera.eye) * 2.0 + camera.right() * 3.0;
+        const glm::dvec3 before = camera.project(mark, {800, 600});
+        navigation.begin(Navigation::Drag::Pan, glm::dvec2(before), before.z);
+        QVERIFY(navigation.move(glm::dvec2(before) + glm::dvec2(60, -30), camera));
+        const glm::dvec3 after = camera.project(mark, {800, 600});
+        QVERIFY(std::abs(after.x - before.x - 60) < 1e-6);
+        QVERIFY(std::abs(after.y - before.y + 30) < 1e-6);
+    }
+    /// The wheel goes on for ever: through what is as near as can be, on to what lies behind it.
+    void zoomingInNeverSticks()
+    {
+        const glm::dvec3 center(1000, 2000, 30);
+        render::Camera camera = cameraOver(center);
+        const ViewReach reach =
+            ViewReach::of({center - glm::dvec3(50.0), center + glm::dvec3(50.0)}, camera.stretch);
+        const double first = camera.pivotDepth();
+        std::vector<glm::dvec3> points;
+        for (const double share : {0.5, 0.7, 1.0, 1.2})
+            points.push_back(camera.eye + camera.forward() * (first * share));
+        std::size_t passed = 0;
+        for (int notch = 0; notch < 400 && passed < points.size(); ++notch)
+            if (!Navigation::zoom(1.0, points[passed], camera, reach)) {
+                const double depth = glm::dot(points[passed] - camera.eye, camera.forward());
+                QVERIFY2(depth < 0, qPrintable(QString::number(depth)));
+                ++passed;
+            }
+        QCOMPARE(passed, points.size());
+        // Where there is nothing, the wheel flies on.
+        const glm::dvec3 before = camera.eye;
+        for (int notch = 0; notch < 500; ++notch)
+            Navigation::zoom(1.0, camera.unproject({400, 300}, {800, 600}), camera, reach, false);
+        QVERIFY(glm::length(camera.eye - before) > reach.size / 10);
+        QVERIFY(camera.pivotDepth() > reach.size * 1e-4);
+    }
+    void zoomingOutEnds()
+    {
+        const glm::dvec3 center(1000, 2000, 30);
+        render::Camera camera = cameraOver(center);
+        const ViewReach reach =
+            ViewReach::of({center - glm::dvec3(50.0), center + glm::dvec3(50.0)}, camera.stretch);
+        for (int notch = 0; notch < 300; ++notch) Navigation::zoom(-1.0, camera.pivot, camera, reach);
+        const double distance = glm::length(camera.eye - reach.middle);
+        QVERIFY2(distance > 15 * reach.size && distance < 20.001 * reach.size,
+                 qPrintable(QString::number(distance)));
+        Navigation::zoom(1.0, camera.pivot, camera, reach);
+        QVERIFY(glm::length(camera.eye - reach.middle) < distance * 0.9);
     }
     void zoomKeepsTheTargetInPlace()
     {

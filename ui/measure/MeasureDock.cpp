@@ -194,6 +194,14 @@ void addMeasureMenu(MainWindow& window, MeasureTools& tools, Measurements& measu
     button->setPopupMode(QToolButton::InstantPopup);
     button->setToolTip(MeasureDock::tr("Inspect points and measure"));
     button->setAccessibleName(MeasureDock::tr("Measure"));
+    // Lit while one of its tools has the mouse, and says which.
+    button->setObjectName(QStringLiteral("measure"));
+    button->setCheckable(true);
+    QObject::connect(&tools, &MeasureTools::toolChanged, button, [button, &tools] {
+        button->setChecked(tools.tool().has_value());
+        button->setToolTip(tools.tool() ? MeasureDock::tr("Measuring: %1").arg(kindText(*tools.tool()))
+                                        : MeasureDock::tr("Inspect points and measure"));
+    });
     menu.toolBar().addWidget(button);
 }
 

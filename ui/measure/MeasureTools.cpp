@@ -2,6 +2,7 @@
 #include "ui/measure/MeasureTools.h"
 
 #include "ui/Document.h"
+#include "ui/Navigation.h"
 #include "ui/ViewRenderer.h"
 #include "ui/Viewport.h"
 #include "ui/Workspace.h"
