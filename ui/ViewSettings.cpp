@@ -10,6 +10,7 @@ namespace punctum::ui
 ViewSettings::ViewSettings(QObject* parent) : QObject(parent)
 {
     m_display.fillHoles = true;
+    m_display.sizing = render::PointSizing::Density;  // surfaces close, from near and from afar
     setBackground(Background::Dark);
 }
 
@@ -94,6 +95,13 @@ void ViewSettings::enlargePoints(bool larger)
     if (m_display.sizing != render::PointSizing::Pixels) return setSize(larger ? size() * kStep : size() / kStep);
     const double px = m_display.pointSize;
     setPointSize(larger ? px + (px < 4.0 ? 0.5 : 1.0) : px - (px <= 4.0 ? 0.5 : 1.0));
+}
+
+void ViewSettings::setTone(const render::ColorTone& tone)
+{
+    if (!std::isfinite(tone.brightness) || !std::isfinite(tone.contrast) || !std::isfinite(tone.gamma)) return;
+    set(m_display.tone, {std::clamp(tone.brightness, -1.0, 1.0), std::clamp(tone.contrast, -1.0, 1.0),
+                         std::clamp(tone.gamma, 0.1, 10.0)});
 }
 
 void ViewSettings::setRound(bool round)

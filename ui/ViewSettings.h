@@ -40,6 +40,7 @@ public:
     void setSize(double size);
     /// By a step that suits the sizing.
     void enlargePoints(bool larger);
+    void setTone(const render::ColorTone& tone);
     void setRound(bool round);
     void setAveraged(bool averaged);
     void setNormals(render::NormalLook look);

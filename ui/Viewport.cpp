@@ -348,7 +348,7 @@ void Viewport::sendDisplay()
 {
     render::DisplaySettings display = m_settings.display();
     display.pointSize *= m_pixelRatio;  // chosen in logical px
-    display.clip.planes.insert(display.clip.planes.end(), m_cuts.begin(), m_cuts.end());
+    display.cuts = m_cuts;
     m_renderer.setDisplay(display);
     m_clipFrame->setBox(display.clip.box);
     updateLegend();

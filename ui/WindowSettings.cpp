@@ -102,7 +102,8 @@ void WindowSettings::restore(QMainWindow& window, ViewSettings& view) const
 void WindowSettings::restoreView(ViewSettings& view) const
 {
     view.setPointSize(m_values.value(kPointSize, 1.0).toDouble());
-    view.setSizing(render::PointSizing(std::clamp(m_values.value(kSizing, 0).toInt(), 0, 2)));
+    view.setSizing(
+        render::PointSizing(std::clamp(m_values.value(kSizing, int(view.display().sizing)).toInt(), 0, 2)));
     view.setWorldSize(m_values.value(kWorldSize, view.display().worldSize).toDouble());
     view.setSpacings(m_values.value(kSpacings, view.display().spacings).toDouble());
     view.setRound(m_values.value(kRound, false).toBool());

@@ -29,6 +29,7 @@ struct BenchRenderOptions : BenchOptions {
     std::string order = "stratified";
     double budget = render::kFrameMilliseconds;
     double budgetPoints = 0;
+    double spacings = 0;  ///< 0: points of 1 px
     PictureSize size;
 };
 
@@ -131,6 +132,10 @@ void runBenchRender(const BenchRenderOptions& options, Progress& progress)
     render::DisplaySettings display = look.display;
     if (options.samples) display.samples = *options.samples;
     renderer.keepOnDevice(options.asWindow);
+    if (options.spacings > 0) {
+        display.sizing = render::PointSizing::Density;
+        display.spacings = options.spacings;
+    }
     show(renderer, cloud, options.size.width, options.size.height, display);
     const Stage stage{renderer, options, benchCamera(cloud, options.size.width, options.size.height)};
     renderer.setPointsAFrame(PointIndex(options.budgetPoints));
@@ -145,6 +150,7 @@ void runBenchRender(const BenchRenderOptions& options, Progress& progress)
     figures.fact("as_window", options.asWindow);
     figures.fact("eye_dome", display.eyeDome > 0);
     figures.fact("holes_closed", display.fillHoles);
+    figures.fact("adaptive_size", display.sizing == render::PointSizing::Density ? display.spacings : 0.0);
     std::vector<std::vector<double>> covered;
     for (int round = 0; round < options.rounds; ++round) {
         measureBruteForce(stage, points, figures);
@@ -189,6 +195,11 @@ void addBenchRender(CLI::App& bench, Action& action)
         ->check(CLI::IsMember({1, 4, 8, 16}));
     command.add_flag("--as-window", options->asWindow,
                      "Draw with what the window does: its settings, holes closed, pictures kept on the device");
+    command
+        .add_option("--adaptive-size", options->spacings,
+                    "Width of points in spacings of the cloud's points, as the window draws them; default: 1 px")
+        ->type_name("N")
+        ->check(CLI::Range(0.1, 20.0));
     command.add_option("--order", options->order, "Order of drawing: stratified (the default) or prime")
         ->type_name("NAME")
         ->check(CLI::IsMember({"stratified", "prime"}));

@@ -9,12 +9,10 @@
 #include "core/Error.h"
 #include "core/Text.h"
 #include "core/cloud/Section.h"
+#include "core/cloud/ShownExtent.h"
 #include "core/expression/Condition.h"
 #include "core/task/Progress.h"
 #include "render/color/ColorMap.h"
-
-#include <glm/common.hpp>
-#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -37,9 +35,11 @@ struct RenderOptions {
     std::string view;
     std::string camera;
     int samples = 4;
-    double pointSize = 1.0;
+    double pointSize = 0;  ///< 0: none given
     double worldSize = 0;  ///< 0: none given
-    double spacings = 0;   ///< 0: none given
+    double spacings = 1;
+    render::ColorTone tone;
+    bool strays = false;
     bool round = false;
     bool average = false;
     std::string normals = "lit";
@@ -149,6 +149,20 @@ render::Camera cameraOf(const Section& section, const std::vector<DrawableCloud>
     return render::sectionCamera(section, heights.low, heights.high, size, exaggeration);
 }
 
+/// Where the points are that are drawn; `shown`: of each cloud.
+ShownExtent shownExtentOf(const std::vector<DrawableCloud>& clouds, const std::vector<Visibility>& shown,
+                          const glm::dvec3& stretch, Progress& progress)
+{
+    ShownExtent extent;
+    for (std::size_t k = 0; k < clouds.size(); ++k) {
+        const PointCloud& cloud = *clouds[k].cloud;
+        if (cloud.size() == 0) continue;
+        const auto hidden = hiddenPoints(cloud, shown[k], progress);
+        extent.include(shownExtent(cloud, clouds[k].bounds, hidden.get(), stretch, progress));
+    }
+    return extent;
+}
+
 std::string listOf(const PointCloud& cloud)
 {
     std::string names;
@@ -197,14 +211,16 @@ void runRender(const RenderRequest& request, Progress& progress)
     if (!options.attribute.empty()) display.attribute = findAttribute(clouds, options.attribute);
     display.colorMap = options.colorMap;
     display.range = request.range;
-    display.pointSize = options.pointSize;
     if (options.worldSize > 0) {
         display.sizing = render::PointSizing::World;
         display.worldSize = options.worldSize;
-    } else if (options.spacings > 0) {
+    } else if (options.pointSize > 0) {
+        display.pointSize = options.pointSize;
+    } else {
         display.sizing = render::PointSizing::Density;
         display.spacings = options.spacings;
     }
+    display.tone = options.tone;
     display.round = options.round;
     display.averaged = options.average;
     display.normals = options.normals == "lit" ? render::NormalLook::Lit : render::NormalLook::Direction;
@@ -239,13 +255,18 @@ void runRender(const RenderRequest& request, Progress& progress)
     render::Camera camera;
     camera.setView(options.view.empty() ? "iso" : options.view);
     camera.stretch = stretch;
-    WorldBounds shown = bounds;
-    if (request.clip.box) {
-        shown.min = glm::max(shown.min, request.clip.box->min);
-        shown.max = glm::min(shown.max, request.clip.box->max);
-        if (glm::any(glm::greaterThan(shown.min, shown.max))) throw Error("No point lies in the box of --clip.");
+    const ShownExtent extent = shownExtentOf(clouds, visibility, stretch, progress);
+    if (extent.points == 0 && !section) {
+        const bool box = request.clip.box && request.clip.planes.empty() && options.filter.empty();
+        throw Error(box ? "No point lies in the box of --clip."
+                        : "The filter and the clip leave no point to draw.");
     }
+    const WorldBounds shown = options.strays ? extent.all : extent.typical;
     camera.fit(shown, size);
+    const bool fitted = !section && options.camera.empty();
+    if (fitted && extent.strays > 0 && !options.strays)
+        note((extent.strays == 1 ? std::string("One point lies") : grouped(extent.strays) + " points lie") +
+             " far away from all the others and outside of the picture; --with-strays fits it to them, too.");
     if (section) camera = cameraOf(*section, clouds, visibility, options.exaggeration, size, progress);
     if (!options.camera.empty()) camera = readCamera(options.camera, camera, shown, size);
     renderer.setCamera(camera);
@@ -264,6 +285,8 @@ void runRender(const RenderRequest& request, Progress& progress)
                    {"attribute", renderer.shownAttribute()},
                    {"range", {renderer.range().first, renderer.range().second}},
                    {"covered", picture.covered},
+                   {"shown", extent.points},
+                   {"strays", extent.strays},
                    {"camera", app::jsonOf(camera)},
                    {"seconds", seconds.count()}});
     else
@@ -320,10 +343,11 @@ void addRender(CLI::App& root, Action& action)
                 if (n == std::to_string(count)) return std::string();
             return std::string("A pixel has 1, 4, 8 or 16 samples.");
         });
-    CLI::Option* pointSize =
-        command.add_option("--point-size", options->pointSize, "Width of a point in px, 0.1 to 64; default 1")
-            ->type_name("PX")
-            ->check(CLI::Range(0.1, 64.0));
+    CLI::Option* pointSize = command
+                                 .add_option("--point-size", options->pointSize,
+                                             "Width of a point in px, 0.1 to 64, the same everywhere")
+                                 ->type_name("PX")
+                                 ->check(CLI::Range(0.1, 64.0));
     CLI::Option* worldSize =
         command
             .add_option("--world-size", options->worldSize,
@@ -332,12 +356,29 @@ void addRender(CLI::App& root, Action& action)
             ->check(CLI::Range(1e-6, 1e6))
             ->excludes(pointSize);
     command
-        .add_option("--adaptive-size", options->spacings,
-                    "Width of a point in spacings of the cloud's points, which is found out: 1 closes surfaces")
+        .add_option(
+            "--adaptive-size", options->spacings,
+            "Width of a point in spacings of the cloud's points, which is found out; default 1, which closes "
+            "surfaces")
         ->type_name("N")
         ->check(CLI::Range(0.1, 20.0))
         ->excludes(pointSize)
         ->excludes(worldSize);
+    command
+        .add_option("--brightness", options->tone.brightness,
+                    "Brighter or darker colors of the file, -1 to 1; default 0")
+        ->type_name("B")
+        ->check(CLI::Range(-1.0, 1.0));
+    command.add_option("--contrast", options->tone.contrast, "More or less contrast in them, -1 to 1; default 0")
+        ->type_name("C")
+        ->check(CLI::Range(-1.0, 1.0));
+    command
+        .add_option("--gamma", options->tone.gamma,
+                    "Above 1 dark colors of the file become brighter, 0.1 to 10; default 1")
+        ->type_name("G")
+        ->check(CLI::Range(0.1, 10.0));
+    command.add_flag("--with-strays", options->strays,
+                     "Fit the picture to points far away from all the others, too");
     command.add_flag("--round", options->round, "Points are circles instead of squares, where wider than 1.5 px");
     command.add_flag("--average", options->average,
                      "Show the mean color of the points within 1 % of the nearest one's depth: less noise");

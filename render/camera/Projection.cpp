@@ -16,6 +16,17 @@ namespace
 /// Points nearer than this share of the pivot's depth are not drawn: they would hide all else.
 constexpr double kNearShare = 1e-3;
 
+/// The least depth (view units along the view direction) that a point of the box has.
+double nearestDepth(const Camera& camera, const WorldBounds& box)
+{
+    const glm::dvec3 forward = camera.forward() * camera.stretch;
+    double depth = 0.0;
+    for (int axis = 0; axis < 3; ++axis)
+        depth += std::min((box.min[axis] - camera.eye[axis]) * forward[axis],
+                          (box.max[axis] - camera.eye[axis]) * forward[axis]);
+    return depth;
+}
+
 }  // namespace
 
 LayerProjection makeProjection(const Camera& camera, const PointStore& store, const PicturePart& part,
@@ -40,12 +51,20 @@ LayerProjection makeProjection(const Camera& camera, const PointStore& store, co
     p.perspective = !camera.orthographic;
     p.pointSize = float(style.px);
     p.round = style.round;
+    p.mostSize = float(std::max(style.px, style.most));
     if (p.perspective) {
         p.rowX = row(right * focal + forward * centerX, 0.0);
         p.rowY = row(forward * centerY - up * focal, 0.0);
         p.rowD = row(forward, 0.0);
         p.nearDepth = float(camera.pivotDepth() * kNearShare);
         p.sizeOverDepth = float(style.size * focal);
+        // From so far that the nearest point has the least size all have: that is drawn fastest.
+        const WorldBounds box = grid.toWorld(store.bounds());
+        if (style.size > 0 && !box.empty()) {
+            const double nearest = nearestDepth(camera, box);
+            const double steps = style.size * focal / nearest * kSampleSteps;
+            if (nearest > 0 && steps <= double(p.sizeInSteps())) p.sizeOverDepth = 0.0f;
+        }
     } else {
         // Depths are lifted so far that everything lies in front, wherever zooming has put the eye.
         const WorldBounds box = grid.toWorld(store.bounds());
@@ -59,8 +78,7 @@ LayerProjection makeProjection(const Camera& camera, const PointStore& store, co
         p.rowD = row(forward, reach * 1.1);
         p.nearDepth = 1e-30f;
         if (style.size > 0)
-            p.pointSize =
-                float(std::clamp(style.size * scale, style.px, std::max(style.px, double(kMostGrownSize))));
+            p.pointSize = float(std::clamp(style.size * scale, style.px, std::max(style.px, style.most)));
     }
     return p;
 }

@@ -17,9 +17,10 @@ struct PicturePart {
 
 /// What a point looks like.
 struct PointStyle {
-    double px = 1.0;     ///< width; the least where `size` is not 0
-    double size = 0.0;   ///< width in view units (Camera); 0: the width is `px` everywhere
-    bool round = false;  ///< a circle instead of a square
+    double px = 1.0;               ///< width; the least where `size` is not 0
+    double size = 0.0;             ///< width in view units (Camera); 0: the width is `px` everywhere
+    bool round = false;            ///< a circle instead of a square
+    double most = kMostGrownSize;  ///< px, where `size` is not 0
 };
 
 /// How a camera maps a store's local integers to the picture. Computed in double; the reference is the point of the

@@ -3,6 +3,7 @@
 
 #include "core/cloud/Visibility.h"
 #include "render/color/ColorMap.h"
+#include "render/color/Tone.h"
 #include "render/resolve/Image.h"
 #include "render/resolve/ResolveSettings.h"
 
@@ -12,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace punctum::render
 {
@@ -27,10 +29,12 @@ enum class PointSizing {
 struct DisplaySettings {
     std::string attribute;  ///< name; a cloud without it keeps what it shows (first: see firstAttribute)
     std::string colorMap;   ///< Scalar attributes; empty: suitableColorMap()
-    std::optional<std::pair<double, double>> range;  ///< Scalar; none: 2nd to 98th percentile over all clouds
-    std::array<Rgba8, 256> palette{};                ///< Class; defaults to asprsClasses()
-    std::array<bool, 256> classVisible{};            ///< defaults to all
-    Clip clip;                                       ///< what lies outside is not drawn; at most kMostClipPlanes
+    std::optional<std::pair<double, double>>
+        range;                             ///< Scalar; none: 2nd to 98th percentile of what all clouds show
+    std::array<Rgba8, 256> palette{};      ///< Class; defaults to asprsClasses()
+    std::array<bool, 256> classVisible{};  ///< defaults to all
+    Clip clip;                             ///< what lies outside is not drawn; at most kMostClipPlanes
+    std::vector<ClipPlane> cuts;           ///< beside the clip's planes; what they cut off counts in ranges
     PointSizing sizing = PointSizing::Pixels;
     double pointSize = 1.0;  ///< Pixels: px
     double worldSize = 0.1;  ///< World: view units (Camera)
@@ -38,6 +42,7 @@ struct DisplaySettings {
     bool round = false;      ///< points are circles (where they are 1.5 px wide or more)
     bool averaged = false;   ///< a sample shows the mean color of all points within 1 % of its nearest one's depth
     NormalLook normals = NormalLook::Lit;  ///< Vector
+    ColorTone tone;                        ///< Color
     int bands = 0;                         ///< Scalar: steps of the color map; 0: smooth
     double eyeDome = 0.0;                  ///< strength of eye-dome lighting, 1 as usual; 0: none
     bool fillHoles = false;                ///< closes small holes of frames that are not finished (HoleFill.h)

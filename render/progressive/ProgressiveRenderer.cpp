@@ -3,12 +3,15 @@
 
 #include "core/task/Progress.h"
 #include "render/progressive/Entry.h"
+#include "render/progressive/ShownValues.h"
 #include "render/raster/LayerLookup.h"
 #include "render/raster/PointIds.h"
 #include "render/store/Spacing.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+
+#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -24,10 +27,12 @@ namespace
 {
 
 /// Points looked at for the range of a scalar attribute, over all clouds.
-constexpr PointIndex kRangeSamples = 20'000;
-constexpr PointIndex kRangeTries = 256;  // points in a row that are looked at for one that is not deleted
+constexpr std::size_t kRangeSamples = 20'000;
 constexpr double kLowPercentile = 0.02;
 constexpr double kHighPercentile = 0.98;
+
+/// px, while the spacing is guessed from a part of the points.
+constexpr double kMostGuessedSize = 4.0;
 
 /// Points of one step of attribute streaming: one or two milliseconds.
 constexpr PointIndex kStreamPoints = 1 << 19;
@@ -43,6 +48,12 @@ constexpr std::uint64_t kOffer = 4;
 /// The first of it, by which it judges the rest: a share, and at most so many slots.
 constexpr std::uint64_t kFirstShare = 32;
 constexpr std::uint64_t kMostFirst = 1'000'000;
+
+/// A lamp up and left of the eye, as maps have it: what is seen from the top is not all white then.
+glm::vec3 lampOf(const Camera& camera)
+{
+    return glm::vec3(glm::normalize(camera.forward() + 0.55 * camera.right() - 0.55 * camera.up()));
+}
 
 }  // namespace
 
@@ -159,14 +170,14 @@ void ProgressiveRenderer::hide(const PointCloud& cloud, const PointSet* points)
     Entry* const entry = find(cloud);
     if (entry == nullptr || (points == nullptr && !entry->store->hidesAny())) return;
     entry->store->hide(points);
-    m_viewChanged = true;
+    m_viewChanged = m_rangeNeeded = true;
 }
 
 void ProgressiveRenderer::storesChanged(StoreChange change)
 {
     switch (change) {
         case StoreChange::Hidden:
-            m_viewChanged = true;
+            m_viewChanged = m_rangeNeeded = true;
             return;
         case StoreChange::Values:
             m_rangeNeeded = true;
@@ -212,8 +223,9 @@ void ProgressiveRenderer::setDisplay(const DisplaySettings& display)
     if (before.sizing != m_display.sizing || before.pointSize != m_display.pointSize ||
         before.worldSize != m_display.worldSize || before.spacings != m_display.spacings ||
         before.round != m_display.round || before.classVisible != m_display.classVisible ||
-        before.clip != m_display.clip)
+        before.clip != m_display.clip || before.cuts != m_display.cuts)
         m_viewChanged = true;
+    if (before.classVisible != m_display.classVisible || before.clip != m_display.clip) m_rangeNeeded = true;
     if (before.range != m_display.range || before.attribute != m_display.attribute) m_rangeNeeded = true;
     if (before.attribute != m_display.attribute)
         for (const auto& entry : m_entries) applyDisplay(*entry);
@@ -247,12 +259,14 @@ void ProgressiveRenderer::updateScene()
                                    [&](int count) { return count <= m_display.samples; });
     m_scene.layers.clear();
     PointIds ids;
+    Clip clip = m_display.clip;
+    clip.planes.insert(clip.planes.end(), m_display.cuts.begin(), m_display.cuts.end());
     const PicturePart part = m_part.value_or(PicturePart{0, 0, m_size.width, m_size.height});
     for (const auto& entry : m_entries) {
         m_scene.layers.push_back({entry->store.get(), ids.take(entry->store->slotCount()),
                                   makeProjection(m_camera, *entry->store, part, styleOf(*entry))});
         Layer& layer = m_scene.layers.back();
-        layer.clip = makeClip(m_display.clip, *entry->store, layer.projection.reference);
+        layer.clip = makeClip(clip, *entry->store, layer.projection.reference);
     }
     m_scene.classVisible = m_display.classVisible;
     m_scene.allClassesVisible =
@@ -273,6 +287,8 @@ PointStyle ProgressiveRenderer::styleOf(Entry& entry) const
         entry.spacingStretch = m_camera.stretch;
     }
     style.size = entry.spacing * m_display.spacings;
+    // Of a part of the points, the spacing is a guess, and larger than it will be: no blocks while a file loads.
+    if (entry.loading) style.most = kMostGuessedSize;
     return style;
 }
 
@@ -290,20 +306,7 @@ void ProgressiveRenderer::updateRange()
         entry->filledAtRange = store.filled();
         if (!encoder || encoder->kind() != WordKind::Scalar) continue;
         const std::shared_lock lock(store.cloud().mutex());
-        const PointIndex points = store.cloud().size();
-        const PointIndex samples = std::min(points, kRangeSamples / m_entries.size() + 1);
-        const PointSet* const deleted = store.cloud().deleted().get();
-        for (PointIndex k = 0; k < samples; ++k) {
-            PointIndex i = k * points / samples;
-            if (deleted != nullptr) {
-                const PointIndex last = std::min((k + 1) * points / samples, i + kRangeTries);
-                while (i < last && deleted->contains(i)) ++i;
-                if (i == last) continue;
-            }
-            if (!store.isFilled(i)) continue;
-            const double v = encoder->attribute().number(i);
-            if (std::isfinite(v)) values.push_back(v);
-        }
+        addShownValues(store, encoder->attribute(), m_display, kRangeSamples / m_entries.size() + 1, values);
     }
     m_rangeNeeded = false;
     if (values.empty()) return;
@@ -489,7 +492,9 @@ ResolveSettings ProgressiveRenderer::colorSettings() const
     settings.colorMap = banded(chosenColorMap(m_display.colorMap, shownAttribute()).table, m_display.bands);
     settings.palette = m_display.palette;
     settings.normals = m_display.normals;
-    settings.light = glm::vec3(m_camera.forward());
+    settings.eye = glm::vec3(m_camera.forward());
+    settings.light = lampOf(m_camera);
+    settings.tone = toneTable(m_display.tone);
     settings.backgroundTop = m_display.backgroundTop;
     settings.backgroundBottom = m_display.backgroundBottom;
     if (m_part) settings.rows = {m_part->y, m_part->height};

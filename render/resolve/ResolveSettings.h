@@ -2,6 +2,7 @@
 #pragma once
 
 #include "render/color/ColorMap.h"
+#include "render/color/Tone.h"
 #include "render/resolve/Image.h"
 #include "render/store/AttributeEncoder.h"
 
@@ -23,7 +24,7 @@ struct LayerColors {
 
 /// What is shown of directions.
 enum class NormalLook {
-    Lit,        ///< a gray surface, lit by a lamp at the eye; both of its sides
+    Lit,        ///< a gray surface, lit by a lamp above and left of the eye; both of its sides
     Direction,  ///< x, y and z as red, green and blue
 };
 
@@ -42,7 +43,9 @@ struct ResolveSettings {
     std::vector<LayerColors> layers;       ///< one for each layer of the scene
     ColorTable colorMap{};                 ///< Scalar
     ColorTable palette{};                  ///< Class
+    ColorTable tone = toneTable({});       ///< Color: what each value of a channel becomes
     NormalLook normals = NormalLook::Lit;  ///< Normal
+    glm::vec3 eye{0, 0, -1};               ///< Normal: where one looks, of length 1
     glm::vec3 light{0, 0, -1};             ///< Normal: where the lamp shines, of length 1
     Rgba8 noValue{128, 128, 128, 255};
     Rgba8 backgroundTop{38, 44, 52, 255};  ///< alpha 0 in both: transparent
@@ -69,8 +72,8 @@ struct ResolveSettings {
     friend bool operator==(const ResolveSettings&, const ResolveSettings&) = default;
 };
 
-/// Selected points have this color, and a little of their own.
-inline constexpr Rgba8 kSelectedColor{255, 214, 64, 255};
+/// Selected points have this color, and a little of their own: one that no color map comes near.
+inline constexpr Rgba8 kSelectedColor{255, 0, 255, 255};
 
 /// The color of one word: the reference that every backend follows.
 inline Rgba8 colorOf(std::uint32_t word, const LayerColors& layer, const ResolveSettings& settings) noexcept;

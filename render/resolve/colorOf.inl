@@ -7,7 +7,7 @@
 
 namespace punctum::render {
 
-/// Of a surface that is seen edgewise.
+/// Of a surface that no light falls on.
 inline constexpr float kLeastLight = 38.0f;
 
 inline Rgba8 ownColorOf(std::uint32_t word, const LayerColors& layer, const ResolveSettings& settings) noexcept
@@ -30,15 +30,19 @@ inline Rgba8 ownColorOf(std::uint32_t word, const LayerColors& layer, const Reso
             const auto channel = [](float v) { return std::uint8_t(std::clamp(v * 127.5f + 127.5f, 0.0f, 255.0f) + 0.5f); };
             return {channel(n.x), channel(n.y), channel(n.z), 255};
         }
-        const glm::vec3 l = settings.light;
+        // The side that is turned to the eye is seen.
+        const glm::vec3 e = settings.eye, l = settings.light;
+        const float side = n.x * e.x + n.y * e.y + n.z * e.z > 0.0f ? 1.0f : -1.0f;
         const float length = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
-        const float facing = length > 0.0f ? std::abs(n.x * l.x + n.y * l.y + n.z * l.z) / length : 0.0f;
+        const float lit = side * (n.x * l.x + n.y * l.y + n.z * l.z);
+        const float facing = length > 0.0f ? std::max(lit, 0.0f) / length : 0.0f;
         const auto gray = std::uint8_t(std::min(kLeastLight + (255.0f - kLeastLight) * facing, 255.0f) + 0.5f);
         return {gray, gray, gray, 255};
     }
     case WordKind::Color: break;
     }
-    return std::bit_cast<Rgba8>(word);
+    const auto c = std::bit_cast<Rgba8>(word);
+    return {settings.tone[c.r].r, settings.tone[c.g].g, settings.tone[c.b].b, c.a};
 }
 
 inline Rgba8 colorOf(std::uint32_t word, const LayerColors& layer, const ResolveSettings& settings) noexcept

@@ -41,18 +41,31 @@ std::uint32_t tenBits(float v) noexcept
 
 }  // namespace
 
+int colorShiftOf(std::vector<std::uint32_t>& largest) noexcept
+{
+    std::erase(largest, 0u);
+    if (largest.empty()) return 0;
+    std::sort(largest.begin(), largest.end());
+    // Of few points one may be brighter, too.
+    const std::size_t above = largest.size() < 8 ? 0 : std::max<std::size_t>(1, largest.size() / 100);
+    const std::uint32_t bright = largest[largest.size() - 1 - above];
+    for (const int shift : {0, 2, 4})
+        if (bright >> shift <= 255) return shift;
+    return 8;
+}
+
 AttributeEncoder::AttributeEncoder(Attribute attribute, double bias, int colorShift)
     : m_attribute(std::move(attribute)), m_kind(wordKindOf(m_attribute)), m_bias(bias), m_colorShift(colorShift)
 {
 }
 
-bool AttributeEncoder::encode(std::span<const std::uint32_t> indices, std::uint32_t* out) const
+std::size_t AttributeEncoder::encode(std::span<const std::uint32_t> indices, std::uint32_t* out) const
 {
     return encodeParts(
         indices.size(), [&](std::size_t at, std::size_t n) { return indices.subspan(at, n); }, out);
 }
 
-bool AttributeEncoder::encode(PointRange range, std::uint32_t* out) const
+std::size_t AttributeEncoder::encode(PointRange range, std::uint32_t* out) const
 {
     return encodeParts(
         std::size_t(range.size()),
@@ -74,9 +87,9 @@ PointIndex pointAt(PointRange range, std::size_t k)
     return range.first + k;
 }
 
-/// Words of colors, whose channels are shifted right and cut to 255. Returns all bits of the shifted channels.
+/// Words of colors, whose channels are shifted right and cut to 255. Returns how many were cut.
 template <std::size_t N>
-std::uint32_t packColors(const std::uint32_t (&channels)[3][N], int shift, std::size_t count, std::uint32_t* words)
+std::size_t packColors(const std::uint32_t (&channels)[3][N], int shift, std::size_t count, std::uint32_t* words)
 {
     std::uint32_t seen = 0;
     for (std::size_t k = 0; k < count; ++k) {
@@ -84,12 +97,14 @@ std::uint32_t packColors(const std::uint32_t (&channels)[3][N], int shift, std::
         seen |= r | g | b;
         words[k] = 0xFF000000u | b << 16 | g << 8 | r;
     }
-    if (seen > 255)
-        for (std::size_t k = 0; k < count; ++k) {
-            const auto cut = [&](int c) { return std::min(channels[c][k] >> shift, 255u); };
-            words[k] = 0xFF000000u | cut(2) << 16 | cut(1) << 8 | cut(0);
-        }
-    return seen;
+    if (seen <= 255) return 0;
+    std::size_t over = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        const auto cut = [&](int c) { return std::min(channels[c][k] >> shift, 255u); };
+        words[k] = 0xFF000000u | cut(2) << 16 | cut(1) << 8 | cut(0);
+        over += ((channels[0][k] | channels[1][k] | channels[2][k]) >> shift) > 255 ? 1 : 0;
+    }
+    return over;
 }
 
 }  // namespace
@@ -107,12 +122,12 @@ void AttributeEncoder::markSelected(const Points& points, std::size_t count, std
 
 /// `part(at, n)`: which points the n from `at` on are.
 template <typename Part>
-bool AttributeEncoder::encodeParts(std::size_t count, const Part& part, std::uint32_t* out) const
+std::size_t AttributeEncoder::encodeParts(std::size_t count, const Part& part, std::uint32_t* out) const
 {
     static_assert(sizeof(float) == sizeof(std::uint32_t));
     float values[kBlock];
     std::uint32_t channels[3][kBlock];
-    std::uint32_t seen = 0;  // all bits of all channels
+    std::size_t cut = 0;
     for (std::size_t at = 0; at < count; at += kBlock) {
         const std::size_t n = std::min(kBlock, count - at);
         const auto points = part(at, n);
@@ -136,11 +151,11 @@ bool AttributeEncoder::encodeParts(std::size_t count, const Part& part, std::uin
             m_attribute.gatherBits(points, channels[0], 0);
             m_attribute.gatherBits(points, channels[1], 1);
             m_attribute.gatherBits(points, channels[2], 2);
-            seen |= packColors(channels, m_colorShift, n, words);
+            cut += packColors(channels, m_colorShift, n, words);
         }
         if (m_selection) markSelected(points, n, words);
     }
-    return seen <= 255;
+    return cut;
 }
 
 }  // namespace punctum::render

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace punctum::render
 {
@@ -27,12 +28,17 @@ inline constexpr std::uint32_t selectedBit(WordKind kind) noexcept
     return kind == WordKind::Scalar ? 1u : kind == WordKind::Color ? 1u << 24 : 1u << 31;
 }
 
+/// How many bits colors have beyond 8, judged by the largest channel of each of some points: 0, 2 (10-bit colors),
+/// 4 (12-bit colors) or 8. Black points do not count, and of the others 1 % may be brighter than the rest allow, so
+/// that a few white ones do not make all others nearly black. Sorts the list.
+int colorShiftOf(std::vector<std::uint32_t>& largestChannels) noexcept;
+
 /// Turns an attribute's values into the 4 bytes a slot that drawing needs. Immutable once it is shared; any thread.
 class AttributeEncoder
 {
 public:
     /// `bias`: taken off scalar values before they become float, so that GPS times keep their digits.
-    /// `colorShift`: 8 when colors have 16 bits, 0 when they have 8 (display only).
+    /// `colorShift`: how many bits colors have beyond 8 (display only): see colorShiftOf().
     AttributeEncoder(Attribute attribute, double bias, int colorShift);
 
     const Attribute& attribute() const noexcept { return m_attribute; }
@@ -43,17 +49,17 @@ public:
     void setSelection(std::shared_ptr<const PointSet> selection) { m_selection = std::move(selection); }
     const std::shared_ptr<const PointSet>& selection() const noexcept { return m_selection; }
 
-    /// Words of the points listed into `out` (indices.size() values). False when a color does not fit into
-    /// 8 bits after colorShift (it is cut to 255 then): the file has 16-bit colors.
-    bool encode(std::span<const std::uint32_t> indices, std::uint32_t* out) const;
+    /// Words of the points listed into `out` (indices.size() values). Returns how many have a color that does not
+    /// fit into 8 bits after colorShift, and is cut to 255.
+    std::size_t encode(std::span<const std::uint32_t> indices, std::uint32_t* out) const;
     /// The same for consecutive points, which is faster.
-    bool encode(PointRange range, std::uint32_t* out) const;
+    std::size_t encode(PointRange range, std::uint32_t* out) const;
 
 private:
     template <typename Part>
     void markSelected(const Part& points, std::size_t count, std::uint32_t* words) const;
     template <typename Part>
-    bool encodeParts(std::size_t count, const Part& part, std::uint32_t* out) const;
+    std::size_t encodeParts(std::size_t count, const Part& part, std::uint32_t* out) const;
 
     Attribute m_attribute;
     WordKind m_kind;

@@ -159,24 +159,31 @@ std::shared_ptr<AttributeEncoder> PointStore::makeEncoder(const Attribute& attri
 {
     // Judged by points that have arrived: all of `range` if it was given, else a sample of the filled slots.
     double bias = 0.0;
-    int shift = m_colorsOutgrown.load(std::memory_order_relaxed) ? 8 : 0;
     bool first = true;
     const bool color = attribute.kind == AttributeKind::Color;
     const bool whole = range.empty();
     if (whole) range = {0, m_cloud->size()};
-    for (PointIndex k = 0; k < kSamples && !range.empty(); ++k) {
-        const PointIndex i = samplePoint(range, k);
+    const PointIndex samples = std::min(kSamples, range.size());
+    std::vector<std::uint32_t> largest;
+    PointIndex looked = 0;
+    for (PointIndex k = 0; k < samples; ++k) {
+        const PointIndex i = samples < kSamples ? range.first + k : samplePoint(range, k);
         if (whole && !isFilled(i)) continue;
+        ++looked;
         const double v = attribute.number(i);
         if (first && std::isfinite(v)) {
             bias = std::floor(v);
             first = false;
         }
         if (!color && !first) break;
-        for (std::uint32_t c = 0; color && c < 3; ++c)
-            if (attribute.number(i, c) > 255) shift = 8;
+        if (color)
+            largest.push_back(
+                std::uint32_t(std::max({attribute.number(i, 0), attribute.number(i, 1), attribute.number(i, 2)})));
     }
-    return std::make_shared<AttributeEncoder>(attribute, color ? 0.0 : bias, color ? shift : 0);
+    if (!color) return std::make_shared<AttributeEncoder>(attribute, bias, 0);
+    const int shift = colorShiftOf(largest);  // leaves the points that have a color
+    m_coloredShare.store(looked == 0 ? 0.0f : float(largest.size()) / float(looked), std::memory_order_relaxed);
+    return std::make_shared<AttributeEncoder>(attribute, 0.0, shift);
 }
 
 std::shared_ptr<const AttributeEncoder> PointStore::encoderFor(PointRange range)
@@ -273,7 +280,8 @@ void PointStore::put(PointRange range, const AttributeEncoder& encoder, bool wit
         range = {first, std::min(whole.last, (first / kPutPoints + 1) * kPutPoints)};
         const auto count = std::size_t(range.size());
         Scratch& s = *scratch;
-        if (!encoder.encode(range, s.words)) m_colorsOutgrown.store(true, std::memory_order_relaxed);
+        if (const std::size_t cut = encoder.encode(range, s.words))
+            m_colorsCut.fetch_add(cut, std::memory_order_relaxed);
         if (haveClasses) m_classification.gatherBits(range, s.classes);
         if (withPositions) {
             const std::int32_t* const axes[3] = {m_cloud->rawX().data() + first, m_cloud->rawY().data() + first,
@@ -387,12 +395,17 @@ void PointStore::bumpVersions(PointRange range, bool withPositions) noexcept
 
 bool PointStore::colorsMisjudged() const
 {
-    return m_colorsOutgrown.load(std::memory_order_relaxed) && encoder()->kind() == WordKind::Color &&
-           encoder()->colorShift() == 0;
+    if (encoder()->kind() != WordKind::Color || encoder()->colorShift() == 8) return false;
+    // Well above the share of bright points that a judgement lets go, and each time more: a few points that no
+    // sample meets must not have it made again and again.
+    const double share = std::max(m_coloredShare.load(std::memory_order_relaxed), 1.0f / float(kSamples));
+    const double limit = double(filled()) * share / 32 * std::pow(4.0, m_rejudged);
+    return double(m_colorsCut.load(std::memory_order_relaxed)) > limit;
 }
 
 void PointStore::show(const Attribute& attribute)
 {
+    if (encoder() && colorsMisjudged()) ++m_rejudged;
     const auto next = makeEncoder(attribute, {});
     next->setSelection(m_selection);
     if (!m_preview) {
@@ -400,6 +413,7 @@ void PointStore::show(const Attribute& attribute)
         if (!std::exchange(m_encoder, next)) return;  // no word was made by another one
     }
     setEncoder(next);
+    m_colorsCut.store(0, std::memory_order_relaxed);
     markStale(nullptr);
 }
 
@@ -446,7 +460,7 @@ void PointStore::markStale(const PointSet* points)
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, indices.size(), 4096), [&](const auto& r) {
             std::vector<std::uint32_t> words(r.size()), classes(r.size());
             const std::span<const std::uint32_t> part(indices.data() + r.begin(), r.size());
-            if (!current->encode(part, words.data())) m_colorsOutgrown.store(true, std::memory_order_relaxed);
+            m_colorsCut.fetch_add(current->encode(part, words.data()), std::memory_order_relaxed);
             if (m_classification.columns[0]) m_classification.gatherBits(part, classes.data());
             for (std::size_t k = 0; k < part.size(); ++k) {
                 const Slot slot = m_order.slotOf(part[k]);
@@ -485,7 +499,7 @@ std::size_t PointStore::refresh(std::span<const Slot> slotList)
                 indices.push_back(std::uint32_t(index));
             }
             std::vector<std::uint32_t> words(stale.size()), classes(stale.size());
-            if (!current->encode(indices, words.data())) m_colorsOutgrown.store(true, std::memory_order_relaxed);
+            m_colorsCut.fetch_add(current->encode(indices, words.data()), std::memory_order_relaxed);
             if (m_classification.columns[0]) m_classification.gatherBits(indices, classes.data());
             for (std::size_t k = 0; k < stale.size(); ++k) {
                 reinterpret_cast<std::uint32_t*>(m_words.data())[stale[k]] = words[k];

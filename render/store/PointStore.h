@@ -108,7 +108,8 @@ public:
     std::shared_ptr<const AttributeEncoder> encoder() const;
     /// The attribute of the cloud that is shown, beneath any preview. Not before there is an encoder().
     Attribute shown() const;
-    /// True when 16-bit colors turned up in a cloud that looked like 8-bit: show() it again.
+    /// True when many colors turned up that do not fit what the first ones looked like (16 bits in a cloud that
+    /// seemed to have 8): show() it again.
     bool colorsMisjudged() const;
     /// Marks the words and classes of these points (null: of all) as out of date. Few points are brought up to
     /// date at once.
@@ -151,7 +152,9 @@ private:
     std::vector<Arrival> m_arrived;
     std::atomic<std::size_t> m_arrivals{0};  ///< size of m_arrived
     std::atomic<bool> m_outgrown{false};
-    std::atomic<bool> m_colorsOutgrown{false};  ///< some color needs 16 bits
+    std::atomic<PointIndex> m_colorsCut{0};        ///< points whose color is brighter than the encoder holds
+    mutable std::atomic<float> m_coloredShare{0};  ///< of the points by which colors were judged: those not black
+    int m_rejudged = 0;                            ///< how often colorsMisjudged() was followed
     std::vector<std::atomic<std::uint32_t>> m_positionVersions, m_wordVersions;
     std::vector<std::uint64_t> m_fresh;  ///< a bit a slot: up to date although m_refreshed has not come to it
     bool m_stale = false;

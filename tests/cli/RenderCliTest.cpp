@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // punctum render: the picture shows the cloud, from where it was asked for, in the colors asked for.
+#include "core/las/Writer.h"
+#include "core/sample/Sample.h"
+#include "core/task/Progress.h"
 #include "tests/cli/Program.h"
 
 #include <QImage>
@@ -10,6 +13,7 @@
 #include <algorithm>
 #include <set>
 
+using namespace punctum;
 using namespace punctum::test;
 
 namespace
@@ -200,6 +204,62 @@ private slots:
             QVERIFY2(run.oneSentence(), run.said().constData());
         }
         QVERIFY(!QFile::exists(path("no.png")));
+    }
+
+    /// The picture is fitted to what is drawn, without points far away, of which a note tells.
+    void fitsToWhatIsDrawn()
+    {
+        Progress progress;
+        const auto cloud = makeSample(20'000, 7, progress);
+        cloud->columns()[0]->values<std::int32_t>()[77] += std::int32_t(60'000 / cloud->coordinates().scale.x);
+        las::WriteOptions options;
+        options.verify = false;
+        las::write(*cloud, path("stray.las").toStdString(), options, progress);
+        const auto run = [&](const QStringList& more) {
+            return runPunctum(QStringList{"render", path("stray.las"), "-o", path("stray.png"), "--view", "top",
+                                          "--size", "640x400", "--json"} +
+                              more);
+        };
+        const Outcome typical = run({});
+        PUNCTUM_EXIT(typical, 0);
+        QVERIFY(typical.json()["covered"].toDouble() > 0.2);
+        QCOMPARE(typical.json()["strays"].toInt(), 1);
+        QVERIFY2(typical.err.contains("One point lies far away"), typical.said().constData());
+        const Outcome all = run({"--with-strays"});
+        PUNCTUM_EXIT(all, 0);
+        QVERIFY(all.json()["covered"].toDouble() < 0.01);
+        QVERIFY2(!all.err.contains("far away"), all.said().constData());
+        const Outcome filtered =
+            run({"--with-strays", "--filter", "X < " + QString::number(cloud->world(0).x + 30'000)});
+        PUNCTUM_EXIT(filtered, 0);
+        QVERIFY(filtered.json()["covered"].toDouble() > 0.2);
+        QCOMPARE(filtered.json()["shown"].toInt(), 19'999);
+        const Outcome nothing = run({"--filter", "X < 0 and X > 0"});
+        PUNCTUM_EXIT(nothing, 1);
+        QVERIFY2(nothing.oneSentence(), nothing.said().constData());
+    }
+
+    /// Colors of the file can be made brighter; those of a quantity stay.
+    void tonesColors()
+    {
+        const auto brightness = [](const QImage& picture) {
+            double sum = 0, count = 0;
+            for (int y = 0; y < picture.height(); ++y)
+                for (int x = 0; x < picture.width(); ++x)
+                    if (const QColor c = picture.pixelColor(x, y); c.alpha() == 255) {
+                        sum += c.value();
+                        ++count;
+                    }
+            return sum / count;
+        };
+        const QStringList colors{"--attribute", "RGB", "--samples", "1"};
+        const double plain = brightness(render("plain.png", colors));
+        QVERIFY(brightness(render("bright.png", colors + QStringList{"--brightness", "0.2"})) > plain + 20);
+        QVERIFY(brightness(render("gamma.png", colors + QStringList{"--gamma", "2"})) > plain + 10);
+        QVERIFY(render("contrast.png", colors + QStringList{"--contrast", "0.4"}) != render("plain.png", colors));
+        const QStringList height{"--attribute", "Z", "--samples", "1"};
+        QVERIFY(render("z.png", height) == render("z-bright.png", height + QStringList{"--brightness", "0.2"}));
+        PUNCTUM_EXIT(runPunctum({"render", path("in.las"), "-o", path("no.png"), "--gamma", "0"}), 2);
     }
 
     void looksFromWhereItIsTold()

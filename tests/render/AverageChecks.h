@@ -61,7 +61,7 @@ inline std::string averagesFollowChanges(
     view.renderer.setDisplay(display);
     view.converge(0.02);
 
-    // What is selected is yellow: nothing of the gray picture stays.
+    // What is selected has a color of its own: nothing of the gray picture stays.
     const auto gray = [&] {
         int n = 0;
         for (const Rgba8& c : view.renderer.image().pixels) n += c.r == c.g && c.g == c.b;

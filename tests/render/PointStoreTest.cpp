@@ -24,6 +24,8 @@ private Q_SLOTS:
     void framesEndWhereTheySay();
     void firstAttributeIsWhatVaries();
     void eightBitColorsAreShownAsSuch();
+    void bitDepthOfColors_data();
+    void bitDepthOfColors();
     void gpsTimeKeepsItsDigits();
     void editsReachVisibleSlotsFirst();
     void previewIsShownInsteadAndTakenBack();
@@ -148,8 +150,10 @@ void PointStoreTest::eightBitColorsAreShownAsSuch()
     QCOMPARE(eight.encoder()->colorShift(), 0);
     QVERIFY(!eight.colorsMisjudged());
 
-    // One 16-bit color late in the file: found out, and mended by showing the attribute again.
-    dark->findAttribute("Green")->columns[0]->values<std::uint16_t>()[39'999] = 40'000;
+    // 16-bit colors late in the file: found out, and mended by showing the attribute again.
+    const auto green = dark->findAttribute("Green")->columns[0]->values<std::uint16_t>();
+    for (std::size_t i = 30'000; i < 40'000; ++i) green[i] = std::uint16_t(40'000 - i % 7);
+    green[39'999] = 40'000;
     PointStore mixed(dark, dark->computeBounds());
     mixed.fill({0, 10'000});
     QCOMPARE(mixed.encoder()->colorShift(), 0);
@@ -160,6 +164,47 @@ void PointStoreTest::eightBitColorsAreShownAsSuch()
     while (mixed.stale()) mixed.refreshNext(1000);
     QVERIFY(!mixed.colorsMisjudged());
     QCOMPARE((mixed.words()[mixed.order().slotOf(39'999)] >> 8) & 255u, 40'000u >> 8);
+}
+
+void PointStoreTest::bitDepthOfColors_data()
+{
+    QTest::addColumn<int>("most");
+    QTest::addColumn<int>("white");  // points that are as bright as 16 bits can be
+    QTest::addColumn<int>("black");  // the first points have no color
+    QTest::addColumn<int>("shift");
+    QTest::newRow("8 bits") << 255 << 0 << 0 << 0;
+    QTest::newRow("8 bits, one white") << 255 << 1 << 0 << 0;
+    QTest::newRow("8 bits, some white") << 255 << 100 << 0 << 0;
+    QTest::newRow("10 bits") << 1023 << 0 << 0 << 2;
+    QTest::newRow("12 bits, one white") << 4095 << 1 << 0 << 4;
+    QTest::newRow("16 bits") << 65535 << 0 << 0 << 8;
+    QTest::newRow("16 bits, most are black") << 65535 << 0 << 19'700 << 8;
+}
+
+// What a few points say, and points without a color, do not decide how bright the others are.
+void PointStoreTest::bitDepthOfColors()
+{
+    QFETCH(int, most);
+    QFETCH(int, white);
+    QFETCH(int, black);
+    const auto cloud = test::makeCloud(20'000, {}, std::uint16_t(most));
+    for (const char* name : {"Red", "Green", "Blue"}) {
+        const auto values = cloud->findAttribute(name)->columns[0]->values<std::uint16_t>();
+        for (int k = 0; k < white; ++k) values[std::size_t(k) * 197] = 65535;
+        for (int k = 0; k < black; ++k) values[std::size_t(k)] = 0;
+    }
+    PointStore store(cloud, cloud->computeBounds());
+    for (PointIndex first = 0; first < 20'000; first += 5'000) store.fill({first, first + 5'000});
+    // As the renderer does it, and no more often than it takes.
+    int again = 0;
+    for (; again < 10; ++again) {
+        if (store.encoder()->kind() == WordKind::Color && !store.colorsMisjudged()) break;
+        store.show(*cloud->findAttribute("RGB"));
+        while (store.stale()) store.refreshNext(1'000'000);
+    }
+    QVERIFY(again < 5);
+    QTEST(store.encoder()->colorShift(), "shift");
+    if (white > 0) QCOMPARE(store.words()[store.order().slotOf(0)], 0xFFFFFFFFu);
 }
 
 void PointStoreTest::gpsTimeKeepsItsDigits()

@@ -41,6 +41,7 @@ private Q_SLOTS:
     void hiddenPointsAndClipsAreNotDrawn_data();
     void hiddenPointsAndClipsAreNotDrawn();
     void rangeIsSecondToNinetyEighthPercentile();
+    void rangeIsOfWhatIsShown();
     void severalCloudsInOneView();
     void picksWhatIsOnScreen();
     void partsMakeUpThePicture();
@@ -471,6 +472,47 @@ void ProgressiveTest::rangeIsSecondToNinetyEighthPercentile()
     view.renderer.valuesChanged(*cloud, {ChangeNotice::Kind::Deleted, {}, gone});
     view.converge();
     QVERIFY(view.renderer.range().first >= 1000 && view.renderer.range().second <= 1010);
+}
+
+// Hidden points have no part in the range: by class, filter and clip; what is cut off in one view alone has.
+void ProgressiveTest::rangeIsOfWhatIsShown()
+{
+    for (const OrderKind order : {OrderKind::Stratified, OrderKind::Prime}) {
+        const auto cloud = test::makeCloud(200'000);
+        DisplaySettings display;
+        display.attribute = "Z";  // walls (class 6) are the highest
+        View view({filledStore(cloud, order)}, cameraFor(*cloud, 320, 200), display);
+        view.converge();
+        const auto all = view.renderer.range();
+        const auto changed = [&] {
+            view.converge();
+            return view.renderer.range() != all;
+        };
+        display.classVisible[6] = false;
+        view.renderer.setDisplay(display);
+        QVERIFY(changed());
+        QVERIFY(view.renderer.range().second < 13.5);
+        display.classVisible.fill(true);
+        display.clip.box = WorldBounds{{0, 0, 0}, {200, 200, 5}};
+        view.renderer.setDisplay(display);
+        QVERIFY(changed());
+        QVERIFY(view.renderer.range().first >= 0 && view.renderer.range().second <= 5);
+        display.clip = {};
+        display.cuts = {{{0, 0, 1}, 5}};
+        view.renderer.setDisplay(display);
+        QVERIFY(!changed());
+        display.cuts.clear();
+        view.renderer.setDisplay(display);
+        PointSet filtered(cloud->size());
+        const Attribute& z = *cloud->findAttribute("Z");
+        for (PointIndex i = 0; i < cloud->size(); ++i)
+            if (z.number(i) < 20) filtered.insert(i);
+        view.renderer.hide(*cloud, &filtered);
+        QVERIFY(changed());
+        QVERIFY(view.renderer.range().first >= 20);
+        view.renderer.hide(*cloud, nullptr);
+        QVERIFY(!changed());
+    }
 }
 
 void ProgressiveTest::severalCloudsInOneView()

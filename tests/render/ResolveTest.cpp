@@ -7,6 +7,8 @@
 
 #include <QtTest>
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -36,6 +38,8 @@ private Q_SLOTS:
     void lightIsAsDefined();
     void rimsAreNotBright();
     void holesAreFilledFromTheFront();
+    void tonesBrightenAndStretch();
+    void selectionLooksLikeNoMap();
 };
 
 void ResolveTest::colorMapsAreComplete()
@@ -432,6 +436,69 @@ void ResolveTest::holesAreFilledFromTheFront()
     small.resize(2, 2);
     std::vector<float> few(4, kNone);
     QCOMPARE(fillHoles(few, small), std::size_t(0));
+}
+
+void ResolveTest::tonesBrightenAndStretch()
+{
+    const ColorTable plain = toneTable({});
+    for (std::size_t k = 0; k < 256; ++k) QCOMPARE(std::size_t(plain[k].r), k);
+    const ColorTable bright = toneTable({.brightness = 0.2}), strong = toneTable({.contrast = 0.5}),
+                     bent = toneTable({.gamma = 2.2}), gray = toneTable({.contrast = -1.0}),
+                     extreme = toneTable({.contrast = 1.0});
+    QCOMPARE(int(bright[100].g), 151);
+    QCOMPARE(int(bright[250].g), 255);
+    QVERIFY(strong[64].r < 40 && strong[192].r > 215 && std::abs(int(strong[128].r) - 128) <= 1);
+    QVERIFY(bent[30].b > 80 && bent[0].b == 0 && bent[255].b == 255);
+    QVERIFY(gray[0].r == gray[255].r && gray[0].r == 128);
+    QVERIFY(extreme[120].r == 0 && extreme[136].r == 255);
+    // Colors of a file alone are toned.
+    ResolveSettings settings;
+    settings.tone = bright;
+    settings.colorMap = findColorMap("grey")->table;
+    QCOMPARE(colorOf(0xFF000000u | 10 << 16 | 250 << 8 | 100, {WordKind::Color, 0, 1}, settings),
+             (Rgba8{151, 255, 61, 255}));
+    QCOMPARE(int(colorOf(std::bit_cast<std::uint32_t>(0.5f), {WordKind::Scalar, 0, 1}, settings).r), 128);
+}
+
+namespace
+{
+
+/// How unlike two colors look: the distance in CIELAB (D65), in which 2 is a difference that can just be seen.
+double unlike(Rgba8 a, Rgba8 b)
+{
+    const auto lab = [](Rgba8 c) {
+        const auto linear = [](int v) {
+            const double s = v / 255.0;
+            return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+        };
+        const double r = linear(c.r), g = linear(c.g), bl = linear(c.b);
+        const auto f = [](double t) { return t > 0.008856 ? std::cbrt(t) : 7.787 * t + 16.0 / 116; };
+        const double x = f((0.4124 * r + 0.3576 * g + 0.1805 * bl) / 0.95047),
+                     y = f(0.2126 * r + 0.7152 * g + 0.0722 * bl),
+                     z = f((0.0193 * r + 0.1192 * g + 0.9505 * bl) / 1.08883);
+        return glm::dvec3(116 * y - 16, 500 * (x - y), 200 * (y - z));
+    };
+    return glm::length(lab(a) - lab(b));
+}
+
+}  // namespace
+
+// A selected point, whatever color it has, is far from every color of the map it is drawn with, and of the classes.
+void ResolveTest::selectionLooksLikeNoMap()
+{
+    const auto check = [](const auto& colors, const std::string& name) {
+        for (const Rgba8 own : colors) {
+            const auto mixed = [&](int a, int b) { return std::uint8_t((a + 3 * b) / 4); };
+            const Rgba8 selected{mixed(own.r, kSelectedColor.r), mixed(own.g, kSelectedColor.g),
+                                 mixed(own.b, kSelectedColor.b), 255};
+            for (const Rgba8 other : colors)
+                QVERIFY2(unlike(selected, other) > 15, qPrintable(QString::fromStdString(name)));
+        }
+    };
+    for (const ColorMap& map : colorMaps()) check(map.table, map.name);
+    std::vector<Rgba8> classes;
+    for (std::size_t code = 0; code < 23; ++code) classes.push_back(asprsClasses()[code].color);
+    check(classes, "classes");
 }
 
 QTEST_APPLESS_MAIN(ResolveTest)

@@ -4,6 +4,7 @@
 #include "render/color/ColorMap.h"
 #include "ui/Text.h"
 #include "ui/ViewSettings.h"
+#include "ui/docks/ToneRow.h"
 #include "ui/style/NumberField.h"
 #include "ui/style/Theme.h"
 #include "ui/style/Widgets.h"
@@ -64,7 +65,8 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
       m_sizing(new QComboBox),
       m_round(new QCheckBox(tr("Round"))),
       m_averaged(new QCheckBox(tr("Averaged"))),
-      m_samples(new QComboBox)
+      m_samples(new QComboBox),
+      m_tone(new ToneRow(settings))
 {
     const QSize icon(72, 12);
     m_map->setIconSize(icon);
@@ -168,6 +170,7 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     addRow(tr("Colors"), colors);
     addRow(tr("Range"), range);
     form->addRow(m_problem);
+    addRow(tr("Tone"), m_tone);
     addRow(tr("Points"), points);
     addRow(tr("Look"), shape);
     addRow(tr("Samples"), m_samples);
@@ -224,6 +227,7 @@ void ColorPanel::setKind(std::optional<AttributeKind> kind)
     const bool scalar = kind == AttributeKind::Scalar;
     for (QWidget* widget : std::initializer_list<QWidget*>{m_map, m_low, m_high, m_auto, m_bands})
         widget->setEnabled(scalar);
+    m_tone->setEnabled(kind == AttributeKind::Color);
     if (!scalar)
         for (NumberField* field : {m_low, m_high}) field->put({});
 }

@@ -19,6 +19,7 @@ namespace punctum::ui
 {
 
 class NumberField;
+class ToneRow;
 class ViewSettings;
 
 /// How the shown attribute becomes colors, and how large points are: color map, range, size, samples.
@@ -55,6 +56,7 @@ private:
     QCheckBox* m_round = nullptr;
     QCheckBox* m_averaged = nullptr;
     QComboBox* m_samples = nullptr;
+    ToneRow* m_tone = nullptr;
     std::pair<double, double> m_range{0.0, 0.0};
     QString m_attribute;  ///< that the range is of
 };

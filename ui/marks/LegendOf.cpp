@@ -75,7 +75,7 @@ Legend legendOf(const Document& document, const QString& name, std::pair<double,
             addClasses(legend, document, display);
             break;
         case AttributeKind::Vector:
-            legend.remark = display.normals == render::NormalLook::Lit ? QObject::tr("lit from the eye")
+            legend.remark = display.normals == render::NormalLook::Lit ? QObject::tr("lit from the upper left")
                                                                        : QObject::tr("direction as color");
             break;
         case AttributeKind::Color:

@@ -61,7 +61,7 @@ Drawing prepare(const KernelChoice& kernel, const FrameScene& scene, std::size_t
                 p.sizeInSteps(),
                 samplePlaces(size.samples),
                 p.sizeOverDepth * float(kSampleSteps),
-                std::max(p.sizeInSteps(), int(kMostGrownSize) * kSampleSteps),
+                p.mostInSteps(),
                 p.round};
     for (int k = 0; k < 4; ++k) {
         d.arguments.rowX[k] = p.rowX[k];

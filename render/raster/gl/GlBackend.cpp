@@ -67,7 +67,7 @@ void useLayerColors(const LayerColors& colors)
 void usePointSize(const LayerProjection& p, int least, int most)
 {
     const int size = std::clamp(p.sizeInSteps(), least, most);
-    glUniform2i(at::kSizes, size, p.grows() ? std::clamp(int(kMostGrownSize) * kSampleSteps, size, most) : size);
+    glUniform2i(at::kSizes, size, p.grows() ? std::clamp(p.mostInSteps(), size, most) : size);
     glUniform1f(at::kSizeOverDepth, p.sizeOverDepth * float(kSampleSteps));
     glUniform1i(at::kCircles, p.round);
 }
@@ -355,11 +355,12 @@ void GlBackend::scatter(const FrameScene& scene, const std::vector<bool>& layers
 
 void GlBackend::updateTables(const ResolveSettings& settings)
 {
-    // As color.glsl reads it: two tables of 256 colors, the color of no value, the background's rows.
+    // As color.glsl reads it: three tables of 256 colors, the color of no value, the background's rows.
     const int height = m_visibility->size().height;
     std::vector<Rgba8> tables;
     tables.insert(tables.end(), settings.colorMap.begin(), settings.colorMap.end());
     tables.insert(tables.end(), settings.palette.begin(), settings.palette.end());
+    tables.insert(tables.end(), settings.tone.begin(), settings.tone.end());
     tables.push_back(settings.noValue);
     for (int y = 0; y < height; ++y) tables.push_back(backgroundOf(y, height, settings));
     const std::size_t bytes = tables.size() * sizeof(Rgba8);
@@ -367,12 +368,14 @@ void GlBackend::updateTables(const ResolveSettings& settings)
     m_tables.write(0, tables.data(), bytes, m_traffic);
     m_lit = settings.normals == NormalLook::Lit;
     m_light = settings.light;
+    m_eye = settings.eye;
 }
 
 void GlBackend::useColors() const
 {
     glUniform1i(at::kLit, m_lit);
     glUniform3f(at::kLight, m_light.x, m_light.y, m_light.z);
+    glUniform3f(at::kEye, m_eye.x, m_eye.y, m_eye.z);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, m_tables.id());
 }
 

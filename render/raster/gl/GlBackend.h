@@ -119,7 +119,7 @@ private:
     std::array<GlProgram, 2> m_scatter;                                    ///< words; words and groups
     std::array<std::array<GlProgram, 4>, kSampleCounts.size()> m_resolve;  ///< 1: of means; 2: with light
     bool m_lit = false;                                                    ///< as in the tables
-    glm::vec3 m_light{0.0f};
+    glm::vec3 m_light{0.0f}, m_eye{0.0f};
     GlBuffer m_entries, m_tables;
 };
 

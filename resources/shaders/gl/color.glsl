@@ -4,11 +4,13 @@
 layout(std430, binding = 4) readonly buffer Tables {
     uint colorMap[256];
     uint palette[256];
+    uint tone[256];
     uint noValue;
     uint background[];  // a color a row
 };
 layout(location = AT_lit) uniform bool lit;  // NormalLook
 layout(location = AT_light) uniform vec3 light;
+layout(location = AT_eye) uniform vec3 eye;
 
 uvec4 unpack(uint color) { return uvec4(color, color >> 8, color >> 16, color >> 24) & 255u; }
 
@@ -44,11 +46,12 @@ uvec4 ownColorOf(uint word, uint kind, float low, float high)
         if (word == 0u) return unpack(noValue);
         const vec3 n = (vec3(uvec3(word, word >> 10, word >> 20) & 1023u) - 512.0) / 511.0;
         if (!lit) return uvec4(uvec3(clamp(n * 127.5 + 127.5, 0.0, 255.0) + 0.5), 255u);
-        const float size = length(n);
-        const float facing = size > 0.0 ? abs(dot(n, light)) / size : 0.0;
+        const float size = length(n), side = dot(n, eye) > 0.0 ? 1.0 : -1.0;
+        const float facing = size > 0.0 ? max(side * dot(n, light), 0.0) / size : 0.0;
         return uvec4(uvec3(min(38.0 + 217.0 * facing, 255.0) + 0.5), 255u);
     }
-    return unpack(word);
+    const uvec4 c = unpack(word);
+    return uvec4(uvec3(tone[c.r], tone[c.g], tone[c.b]) & 255u, c.a);
 }
 
 uvec4 colorOf(uint word, uint kind, float low, float high)
@@ -59,5 +62,5 @@ uvec4 colorOf(uint word, uint kind, float low, float high)
     const uint bit = kind == 0u ? 1u : color ? 1u << 24 : 1u << 31;
     const bool selected = ((word & bit) != 0u) != color;
     const uvec4 own = ownColorOf(color ? word | bit : word & ~bit, kind, low, high);
-    return selected ? uvec4((own.rgb + 3u * uvec3(255u, 214u, 64u)) / 4u, 255u) : own;
+    return selected ? uvec4((own.rgb + 3u * uvec3(255u, 0u, 255u)) / 4u, 255u) : own;
 }

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+// What the view shows and how it is moved: fitting to what is shown, keys, the mark of the pivot, lit tools.
+#include "UiTest.h"
+
+#include "core/las/Writer.h"
+#include "core/sample/Sample.h"
+#include "core/task/Progress.h"
+#include "ui/MessageArea.h"
+#include "ui/PivotMark.h"
+#include "ui/Text.h"
+#include "ui/ViewFilter.h"
+#include "ui/ViewSettings.h"
+#include "ui/Viewport.h"
+#include "ui/Workspace.h"
+#include "ui/measure/MeasureTools.h"
+
+#include <QToolButton>
+#include <QWheelEvent>
+
+#include <glm/geometric.hpp>
+
+using namespace punctum;
+using namespace punctum::ui;
+using namespace punctum::ui::test;
+
+namespace
+{
+
+/// A survey of which some points are 60 km away.
+void writeWithStrays(const QString& path, std::uint64_t points, std::uint64_t strays)
+{
+    Progress progress;
+    const auto cloud = makeSample(points, 7, progress);
+    const auto x = cloud->columns()[0]->values<std::int32_t>();
+    for (std::uint64_t k = 0; k < strays; ++k)
+        x[std::size_t(k * 53 + 5)] += std::int32_t(60'000 / cloud->coordinates().scale.x);
+    las::WriteOptions options;
+    options.verify = false;
+    las::write(*cloud, toPath(path), options, progress);
+}
+
+/// How wide a box looks, as a share of the picture.
+double seen(const Viewport& view, const WorldBounds& box)
+{
+    const QSize size = view.pictureSize();
+    return view.camera().seenSize(box, {size.width(), size.height()}) / std::max(size.width(), size.height());
+}
+
+}  // namespace
+
+class ViewTest : public QObject
+{
+    Q_OBJECT
+private slots:
+    void straysAreNoPartOfTheFirstView()
+    {
+        TestWindow test;
+        const QString path = test.folder.filePath(QStringLiteral("strays.las"));
+        writeWithStrays(path, 30'000, 3);
+        const Document* const document = test.open(path);
+        QVERIFY(document && test.settle());
+        const Viewport& view = test.window->viewport();
+        WorldBounds survey = document->bounds();
+        QVERIFY(survey.max.x - survey.min.x > 50'000);
+        survey.max.x -= 60'000;
+        QVERIFY2(seen(view, survey) > 0.5, qPrintable(QString::number(seen(view, survey))));
+        const QStringList said = test.window->viewport().messages().sentences();
+        QCOMPARE(said.size(), 1);
+        QVERIFY2(said.front().contains(QStringLiteral("3 points")), qPrintable(said.front()));
+
+        // All are shown by F, and the survey by F once more; and when the user has moved the camera, that comes
+        // first.
+        const auto fitted = [&](bool all) {
+            test.window->fitAll();
+            return waitFor([&] { return (seen(view, survey) < 0.05) == all; }, 10'000) && test.settle();
+        };
+        QVERIFY(fitted(true));
+        QVERIFY(fitted(false));
+        QVERIFY(fitted(true));
+        QTest::keyClick(&test.window->viewport(), Qt::Key_Left);
+        QVERIFY(fitted(false));
+    }
+
+    void fitGoesByWhatIsShown()
+    {
+        TestWindow test;
+        const QString path = test.folder.filePath(QStringLiteral("sample.las"));
+        writeSample(path, 30'000);
+        const Document* const document = test.open(path);
+        QVERIFY(document && test.settle());
+        const WorldBounds all = document->bounds();
+        const double middle = (all.min.x + all.max.x) / 2;
+        test.window->viewFilter().setText(
+            QStringLiteral("X < %1").arg(all.min.x + (middle - all.min.x) / 4, 0, 'f', 3));
+        QVERIFY(test.settle());
+        test.window->fitAll();
+        QVERIFY(waitFor(
+            [&] { return test.window->viewport().camera().pivot.x < middle - (middle - all.min.x) / 2; }, 10'000));
+        QVERIFY(test.settle());
+        // Nothing at all is left: the view stays, and a sentence says why.
+        test.window->viewFilter().setText(QStringLiteral("X < 0 and X > 0"));
+        QVERIFY(test.settle());
+        const render::Camera before = test.window->viewport().camera();
+        test.window->fitAll();
+        QVERIFY(waitFor([&] { return !test.window->viewport().messages().sentences().isEmpty(); }, 10'000));
+        QVERIFY(test.window->viewport().camera() == before);
+    }
+
+    void keysTurnMoveAndZoom()
+    {
+        TestWindow test;
+        const QString path = test.folder.filePath(QStringLiteral("sample.las"));
+        writeSample(path, 30'000);
+        QVERIFY(test.open(path) && test.settle());
+        Viewport& view = test.window->viewport();
+        view.setFocus();
+        const auto press = [&](Qt::Key key, Qt::KeyboardModifiers modifiers = {}) {
+            const render::Camera before = view.camera();
+            QTest::keyClick(&view, key, modifiers);
+            waitFor([&] { return !(view.camera() == before); }, 5'000);
+            return std::pair(before, view.camera());
+        };
+        const auto turned = press(Qt::Key_Right);
+        QVERIFY(turned.first.yaw != turned.second.yaw && turned.first.pitch == turned.second.pitch);
+        const auto tilted = press(Qt::Key_Up);
+        QVERIFY(tilted.second.pitch < tilted.first.pitch);  // more from above
+        QVERIFY(tilted.second.pivot == tilted.first.pivot);
+        const auto moved = press(Qt::Key_Right, Qt::ControlModifier);
+        QVERIFY(moved.first.yaw == moved.second.yaw);
+        QVERIFY(glm::dot(moved.second.eye - moved.first.eye, moved.first.right()) > 0);
+        const auto nearer = press(Qt::Key_PageUp);
+        QVERIFY(nearer.second.pivotDepth() < nearer.first.pivotDepth());
+        const auto farther = press(Qt::Key_Minus, Qt::ControlModifier);
+        QVERIFY(farther.second.pivotDepth() > farther.first.pivotDepth());
+        const double size = test.window->viewSettings().size();
+        QTest::keyClick(&view, Qt::Key_Plus, Qt::ControlModifier);
+        QCOMPARE(test.window->viewSettings().size(), size);
+    }
+
+    /// The wheel goes on zooming in for as long as it is turned.
+    void wheelNeverSticks()
+    {
+        TestWindow test;
+        const QString path = test.folder.filePath(QStringLiteral("sample.las"));
+        writeSample(path, 30'000);
+        const Document* const document = test.open(path);
+        QVERIFY(document && test.settle());
+        Viewport& view = test.window->viewport();
+        const QPointF middle(view.rect().center());
+        for (int turn = 0; turn < 60; ++turn) {
+            const render::Camera before = view.camera();
+            QWheelEvent wheel(middle, view.mapToGlobal(middle), {}, {0, 360}, Qt::NoButton, Qt::NoModifier,
+                              Qt::NoScrollPhase, false);
+            QApplication::sendEvent(&view, &wheel);
+            QVERIFY2(waitFor([&] { return !(view.camera() == before); }, 5'000),
+                     qPrintable(QStringLiteral("stuck at turn %1").arg(turn)));
+            QVERIFY(glm::length(view.camera().eye - before.eye) > 0);
+        }
+        for (int turn = 0; turn < 80; ++turn) {
+            QWheelEvent wheel(middle, view.mapToGlobal(middle), {}, {0, -600}, Qt::NoButton, Qt::NoModifier,
+                              Qt::NoScrollPhase, false);
+            QApplication::sendEvent(&view, &wheel);
+            QTest::qWait(5);
+        }
+        QVERIFY(test.settle());
+        const WorldBounds& all = document->bounds();
+        QVERIFY(glm::length(view.camera().eye - (all.min + all.max) * 0.5) < 30 * glm::length(all.max - all.min));
+    }
+
+    void pivotIsMarkedWhileTurning()
+    {
+        TestWindow test;
+        const QString path = test.folder.filePath(QStringLiteral("sample.las"));
+        writeSample(path, 30'000);
+        QVERIFY(test.open(path) && test.settle());
+        Viewport& view = test.window->viewport();
+        const auto* const mark = view.findChild<PivotMark*>();
+        QVERIFY(mark && !mark->isVisible());
+        const QPoint middle = view.rect().center();
+        QTest::mousePress(&view, Qt::LeftButton, {}, middle);
+        QVERIFY(!mark->isVisible());
+        QMouseEvent move(QEvent::MouseMove, middle + QPointF(60, 0), view.mapToGlobal(middle + QPointF(60, 0)),
+                         Qt::NoButton, Qt::LeftButton, Qt::NoModifier);
+        QApplication::sendEvent(&view, &move);
+        QVERIFY(mark->isVisible());
+        const QSize size = view.pictureSize();
+        const glm::dvec3 px = view.camera().project(view.camera().pivot, {size.width(), size.height()});
+        QVERIFY(std::abs(mark->geometry().center().x() * view.pixelRatio() - px.x) < 3);
+        QVERIFY(std::abs(mark->geometry().center().y() * view.pixelRatio() - px.y) < 3);
+        QTest::mouseRelease(&view, Qt::LeftButton, {}, middle + QPoint(60, 0));
+        QVERIFY(waitFor([&] { return !mark->isVisible(); }, 5'000));
+    }
+
+    void rulerIsLitWhileItMeasures()
+    {
+        TestWindow test;
+        auto* const button = test.window->findChild<QToolButton*>(QStringLiteral("measure"));
+        QVERIFY(button && !button->isChecked());
+        test.window->measureTools().setTool(MeasureKind::Distance);
+        QVERIFY(button->isChecked());
+        QVERIFY(button->toolTip().contains(QStringLiteral("Distance")));
+        test.window->measureTools().setTool({});
+        QVERIFY(!button->isChecked());
+    }
+};
+
+int main(int argc, char** argv)
+{
+    return runUiTest(argc, argv, [] { return std::make_unique<ViewTest>(); });
+}
+#include "ViewTest.moc"
