@@ -235,8 +235,12 @@ void addHead(std::ostringstream& out, const FileInfo& info)
              (source.compressed ? ", compressed (LAZ)" : "")});
     head.push_back({"File size", grouped(source.fileSize) + " bytes"});
     head.push_back({"CRS", source.crs.empty() ? "none given" : firstLine(source.crs)});
+    head.push_back({"Units", las::unitsText(source.units)});
     head.push_back({"Density", densityText(info)});
     if (las::hasGpsTime(source.layout.shownFormat())) head.push_back({"GPS time", gpsTimeText(info)});
+    if (header.versionMinor() >= 5)
+        head.push_back({"GPS time in header", shortestText(header.get(las::at::kMinGpsTime)) + " to " +
+                                                  shortestText(header.get(las::at::kMaxGpsTime))});
     head.push_back({"Created", orEmpty(las::creationText(header), "not said")});
     head.push_back({"Software", orEmpty(las::headerText(header, las::at::kSoftware), "not said")});
     head.push_back({"System", orEmpty(las::headerText(header, las::at::kSystemId), "not said")});
@@ -355,6 +359,15 @@ std::string findingsText(const std::vector<las::Finding>& findings)
     return text;
 }
 
+Json unitsJson(const CoordinateUnits& units)
+{
+    constexpr const char* kKinds[] = {"unknown", "lengths", "degrees", "geocentric"};
+    return {{"kind", kKinds[std::size_t(units.kind)]},
+            {"horizontal", textOrNull(units.horizontal)},
+            {"vertical", textOrNull(units.vertical)},
+            {"guessed", units.guessed}};
+}
+
 Json jsonOf(const FileInfo& info)
 {
     const las::SourceFile& source = info.source();
@@ -364,6 +377,8 @@ Json jsonOf(const FileInfo& info)
     const bool empty = info.bounds.empty();
     Json flags = Json::object();
     for (const Flag& flag : flagsOf(f)) flags[flag.name] = flag.points;
+    const bool newest = header.versionMinor() >= 5;
+    const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
     const auto positive = [](double v) { return v > 0 ? Json(rounded(v)) : Json(nullptr); };
     return {{"file", info.file},
             {"points", info.cloud->size()},
@@ -376,6 +391,7 @@ Json jsonOf(const FileInfo& info)
             {"min", empty ? Json(nullptr) : jsonOf(info.bounds.min)},
             {"max", empty ? Json(nullptr) : jsonOf(info.bounds.max)},
             {"crs", source.crs},
+            {"units", unitsJson(source.units)},
             {"vlrs", recordsJson(source)},
             {"attributes", attributesJson(info)},
             {"classes", countsJson(f.classes)},
@@ -387,6 +403,10 @@ Json jsonOf(const FileInfo& info)
             {"spacing", positive(density.spacing)},
             {"length_unit", textOrNull(density.unit)},
             {"gps_time", f.gpsTime ? Json::array({f.gpsTime->first, f.gpsTime->second}) : Json(nullptr)},
+            {"header_gps_time", newest ? Json::array({number(header.get(las::at::kMinGpsTime)),
+                                                      number(header.get(las::at::kMaxGpsTime))})
+                                       : Json(nullptr)},
+            {"time_offset", newest ? Json(header.get(las::at::kTimeOffset)) : Json(nullptr)},
             {"guid", textOrNull(las::guidText(header))},
             {"software", las::headerText(header, las::at::kSoftware)},
             {"system", las::headerText(header, las::at::kSystemId)},

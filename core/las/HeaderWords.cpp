@@ -132,6 +132,16 @@ std::string gpsDay(const Header& header, double time)
     return {};
 }
 
+std::string unitsText(const CoordinateUnits& units)
+{
+    using Kind = CoordinateUnits::Kind;
+    const auto orUnknown = [](const std::string& name) { return name.empty() ? std::string("not known") : name; };
+    std::string text = orUnknown(units.horizontal);
+    if (units.kind == Kind::Geocentric) return text + ", from the middle of the earth";
+    if (units.vertical != units.horizontal) text += ", heights in " + orUnknown(units.vertical);
+    return units.guessed ? text + " (nothing is stated, it looks like it)" : text;
+}
+
 std::string recordWords(const Vlr& record)
 {
     const std::string user = record.user();

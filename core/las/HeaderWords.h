@@ -29,6 +29,10 @@ std::string gpsDay(double adjusted);
 /// The same of a time of a file, by its own clock; empty for seconds of a week.
 std::string gpsDay(const Header& header, double time);
 
+/// Units of the coordinates: "m", "m, heights in ftUS", "deg, heights in m (nothing is stated, it looks like it)",
+/// "not known".
+std::string unitsText(const CoordinateUnits& units);
+
 /// What a record is for, where that is known ("GeoTIFF keys"), else its own description.
 std::string recordWords(const Vlr& record);
 

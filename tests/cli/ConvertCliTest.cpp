@@ -154,6 +154,10 @@ private slots:
         const Outcome info = runPunctum({"info", "new.laz", "--json"}, folder.path());
         QCOMPARE(info.json()["las_version"].toString(), QString("1.5"));
         QCOMPARE(info.json()["warnings"].toArray().size(), 0);
+        QCOMPARE(info.json()["units"]["horizontal"].toString(), QString("m"));
+        QVERIFY(info.json()["header_gps_time"][1].toDouble() > 0);
+        QCOMPARE(info.json()["header_gps_time"], info.json()["gps_time"]);
+        QCOMPARE(info.json()["time_offset"].toInt(-1), 0);
         PUNCTUM_EXIT(runPunctum({"convert", "new.laz", "old.las", "--las-version", "1.4"}, folder.path()), 0);
         const Outcome diff = runPunctum({"diff", "in.las", "old.las", "--json"}, folder.path());
         for (const QJsonValue& attribute : diff.json()["attributes"].toArray())

@@ -2,6 +2,7 @@
 #include "core/las/Crs.h"
 
 #include "core/edit/Extract.h"
+#include "core/las/HeaderWords.h"
 #include "core/las/Reader.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
@@ -153,6 +154,9 @@ void CrsTest::lengthsAreTrue()
     QCOMPARE(trueLengths(feetUp, box).stretch.z, 0.3048);
     QVERIFY(trueLengths(degrees, {{0, -1e6, 0}, {1, 1e6, 1}}).stretch.x > 0);  // no latitudes
     QVERIFY(trueLengths(CoordinateUnits{}, box) == TrueLengths{});             // nothing known: nothing stretched
+    QCOMPARE(las::unitsText({}), std::string("not known"));
+    QCOMPARE(las::unitsText(degrees), std::string("deg, heights in m"));
+    QCOMPARE(las::unitsText({Kind::Lengths, "m", "m", 1, 1, false}), std::string("m"));
     for (const auto& [meters, name] : {std::pair(1.0, "m"),
                                        {0.3048, "ft"},
                                        {1200.0 / 3937.0, "ftUS"},

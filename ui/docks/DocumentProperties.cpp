@@ -70,6 +70,10 @@ PropertySection originSection(const las::Header& header)
     };
     QStringList words;
     for (const std::string& word : las::encodingWords(header)) words << toQString(word);
+    if (header.versionMinor() >= 5)
+        words << tr("GPS times by the header: %1 to %2")
+                     .arg(localNumber(toQString(shortestText(header.get(las::at::kMinGpsTime)))),
+                          localNumber(toQString(shortestText(header.get(las::at::kMaxGpsTime)))));
     return {tr("Origin"),
             {{tr("Created"), orElse(las::creationText(header), tr("not said"))},
              {tr("Software"), orElse(las::headerText(header, las::at::kSoftware), tr("not said"))},
@@ -180,6 +184,7 @@ std::vector<PropertySection> documentProperties(const Document& document, const 
         place.rows.push_back({tr("Highest"), axesText(document.bounds().max, coordinates)});
         place.rows.push_back({tr("Extent"), extentText(document.bounds(), coordinates)});
     }
+    place.rows.push_back({tr("Units"), toQString(las::unitsText(source.units))});
     place.rows.push_back({tr("System"), source.crs.empty() ? tr("not stated") : toQString(source.crs)});
     sections.push_back(place);
 
