@@ -3,10 +3,13 @@
 #include "tests/cli/LaszipPoints.h"
 #include "tests/cli/Program.h"
 
+#include <QJsonArray>
 #include <QTemporaryDir>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <map>
 
 using namespace punctum::test;
@@ -39,6 +42,87 @@ class ConvertCliTest : public QObject
     Q_OBJECT
 
 private slots:
+    void repairsOrTells_data()
+    {
+        QTest::addColumn<QString>("name");
+        QTest::addColumn<int>("points");
+        QTest::addColumn<QString>("said");
+        QTest::newRow("count") << "cases/count-zero.las" << 500 << "The header says 0 points, the file holds 500.";
+        QTest::newRow("records") << "cases/vlr-count-garbage.las" << 300 << "it says now how many there are";
+        QTest::newRow("real records") << "more/bad-vlr-count.las" << -1 << "it says now how many there are";
+        QTest::newRow("extended") << "cases/evlr-offset-zero.las" << 100 << "but at 3375; they are read there.";
+        QTest::newRow("zeros") << "cases/laz-zero-tail.laz" << -1 << "The header says 4000 points, the file holds";
+        QTest::newRow("1.5") << "more/pdrf10-las15.laz" << -1 << "";
+    }
+    void repairsOrTells()
+    {
+        QFETCH(QString, name);
+        QFETCH(int, points);
+        QFETCH(QString, said);
+        if (!QFile::exists(realFile(name))) QSKIP("The file is not here.");
+        QTemporaryDir folder;
+        const QString laz = folder.filePath("a.laz"), las = folder.filePath("a.las"),
+                      back = folder.filePath("b.las");
+        const Outcome outcome = runPunctum({"convert", realFile(name), las, "--json"});
+        PUNCTUM_EXIT(outcome, 0);
+        const auto written = outcome.json().object();
+        if (points >= 0) QCOMPARE(written["points"].toInt(), points);
+        QVERIFY2(outcome.err.contains(said) || outcome.out.contains(said.toUtf8()), outcome.said());
+        // What was written is sound, through LAZ and back.
+        PUNCTUM_EXIT(runPunctum({"convert", las, laz}), 0);
+        const Outcome again = runPunctum({"convert", laz, back});
+        PUNCTUM_EXIT(again, 0);
+        QVERIFY(contentOf(back) == contentOf(las));
+        QVERIFY(!again.err.contains("The header"));
+    }
+    void namesWhatIsNoLasFile()
+    {
+        QTemporaryDir folder;
+        const QString page = folder.filePath("a.laz");
+        QFile file(page);
+        QVERIFY(file.open(QIODevice::WriteOnly));
+        file.write("<!DOCTYPE html><html><body>404 Not Found</body></html>");
+        file.close();
+        const Outcome outcome = runPunctum({"convert", page, folder.filePath("b.las")});
+        PUNCTUM_EXIT(outcome, 1);
+        QVERIFY2(outcome.err.contains("a.laz: This is not a LAS file but a web page"), outcome.said());
+    }
+    void protectedFilesAndLinks()
+    {
+        QTemporaryDir folder;
+        const QString in = folder.filePath("in.las"), out = folder.filePath("out.las");
+        PUNCTUM_EXIT(runPunctum({"sample", in, "--points", "100"}), 0);
+        PUNCTUM_EXIT(runPunctum({"sample", out, "--points", "50"}), 0);
+        const QByteArray before = contentOf(out);
+        QVERIFY(QFile::setPermissions(out, QFile::ReadOwner | QFile::ReadUser));
+        const Outcome refused = runPunctum({"convert", in, out});
+        PUNCTUM_EXIT(refused, 1);
+        QVERIFY2(refused.err.contains("This file is write-protected. Add --replace-protected"), refused.said());
+        QVERIFY(contentOf(out) == before);
+        PUNCTUM_EXIT(runPunctum({"convert", in, out, "--replace-protected"}), 0);
+        QVERIFY(contentOf(out) == contentOf(in));
+        // A link whose file is not there yet
+        QVERIFY(QFile::link("real.las", folder.filePath("link.las")));
+        PUNCTUM_EXIT(runPunctum({"convert", in, folder.filePath("link.las")}), 0);
+        QVERIFY(QFileInfo(folder.filePath("link.las")).isSymLink());
+        QVERIFY(contentOf(folder.filePath("real.las")) == contentOf(in));
+    }
+    void namesThatAreNotUtf8()
+    {
+        // The shell gives bytes, and so they stay.
+        QTemporaryDir folder;
+        const QString in = folder.filePath("in.las");
+        PUNCTUM_EXIT(runPunctum({"sample", in, "--points", "100"}), 0);
+        const std::string directory = folder.path().toStdString(), odd = directory + "/\xE4\xFF.las",
+                          other = directory + "/\xE4\xFF.laz", program = PUNCTUM_PROGRAM;
+        std::filesystem::copy_file(in.toStdString(), odd);
+        const auto sh = [&](const std::string& command) { return std::system((program + command).c_str()); };
+        QCOMPARE(sh(" convert '" + odd + "' '" + other + "' > /dev/null"), 0);
+        QCOMPARE(sh(" diff '" + odd + "' '" + other + "' > /dev/null"), 0);
+        QCOMPARE(sh(" info '" + other + "' > /dev/null"), 0);
+        std::filesystem::remove(odd);
+        std::filesystem::remove(other);
+    }
     void keepsEveryFieldOfEveryPoint_data()
     {
         QTest::addColumn<QString>("path");

@@ -567,6 +567,15 @@ private slots:
         QCOMPARE(QFileInfo(path).size(), size - 6);
         QVERIFY(save());
         QCOMPARE(asked.size(), 6);
+        // one that its owner made read-only
+        QVERIFY(QFile::setPermissions(path, QFile::ReadOwner));
+        answer = false;
+        QVERIFY(!save());
+        QCOMPARE(asked.size(), 9);
+        QVERIFY2(asked[7].contains(QStringLiteral("write-protected")), qPrintable(asked[7]));
+        answer = true;
+        QVERIFY(save());
+        QCOMPARE(asked.size(), 12);
     }
 
     void screenshotIsTheFinishedPicture()
