@@ -102,7 +102,7 @@ std::vector<std::string> encodingWords(const Header& header)
     if (header.says(encoding::kExternalWaveform)) words.emplace_back("waveforms are in a .wdp file");
     if (header.says(encoding::kSyntheticReturns)) words.emplace_back("return numbers are synthetic");
     words.push_back(header.says(encoding::kWkt) ? "the coordinate system is given in WKT"
-                                                : "the coordinate system is given in GeoTIFF keys");
+                                                : "the coordinate system, if any, is given in GeoTIFF keys");
     const unsigned known = 31u | (header.versionMinor() >= 5 ? encoding::kTimeOffset : 0u);
     if (const unsigned rest = header.globalEncoding() & ~known; rest != 0)
         words.push_back("other bits: 0x" + hexText(rest, 4));
