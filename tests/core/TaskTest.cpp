@@ -16,7 +16,8 @@
 using namespace punctum;
 using namespace std::chrono_literals;
 
-namespace {
+namespace
+{
 
 /// Starts work and gives what its end was told.
 JobInfo runToEnd(Jobs& jobs, Jobs::Work work)
@@ -38,7 +39,8 @@ void untilCancelled(Progress& progress)
 
 }  // namespace
 
-class TaskTest : public QObject {
+class TaskTest : public QObject
+{
     Q_OBJECT
 
 private slots:
@@ -56,6 +58,9 @@ private slots:
     void destroyedWhileRunning();
     void waitsForAll();
     void manyAtOnce();
+    void queuedJobsTakeTurns();
+    void waitingJobsEndWhenCancelled();
+    void idleJobsComeLast();
 };
 
 void TaskTest::progressCounts()
@@ -270,6 +275,87 @@ void TaskTest::manyAtOnce()
     for (auto& t : starters) t.join();
     jobs.waitForAll();
     QCOMPARE(ended.load(), 100);
+}
+
+/// A thousand jobs that were queued never have more threads than they may, and all of them run.
+void TaskTest::queuedJobsTakeTurns()
+{
+    Jobs jobs(3);
+    std::atomic<int> now{0}, most{0}, done{0};
+    for (int i = 0; i < 1000; ++i)
+        jobs.start(
+            "job",
+            [&](Progress&) {
+                const int running = ++now;
+                int before = most.load();
+                while (running > before && !most.compare_exchange_weak(before, running)) {
+                }
+                if (running == 3) std::this_thread::sleep_for(10us);
+                --now;
+            },
+            [&](const JobInfo& info) { done += info.state == JobState::Finished ? 1 : 0; }, JobTurn::Queued);
+    jobs.waitForAll();
+    QCOMPARE(done.load(), 1000);
+    QVERIFY2(most.load() <= 3, qPrintable(QString::number(most.load())));
+    // its threads have ended, and others come when they are needed again
+    QVERIFY(jobs.idle());
+    jobs.start(
+        "job", [&](Progress&) { ++done; }, {}, JobTurn::Queued);
+    jobs.waitForAll();
+    QCOMPARE(done.load(), 1001);
+}
+
+/// Whoever waits behind a long job does not wait for it to be cancelled.
+void TaskTest::waitingJobsEndWhenCancelled()
+{
+    Jobs jobs(1);
+    std::atomic<bool> begun{false}, ran{false};
+    const JobId first = jobs.start(
+        "first",
+        [&](Progress& progress) {
+            begun = true;
+            untilCancelled(progress);
+        },
+        {}, JobTurn::Queued);
+    while (!begun) std::this_thread::sleep_for(1ms);
+    std::promise<JobInfo> end;
+    const JobId second = jobs.start(
+        "second", [&](Progress&) { ran = true; }, [&](const JobInfo& info) { end.set_value(info); },
+        JobTurn::Queued);
+    const auto running = jobs.running();
+    QCOMPARE(running.size(), std::size_t(2));
+    QVERIFY(!running[0].waiting && running[1].waiting);
+    jobs.cancel(second);
+    QVERIFY(end.get_future().get().state == JobState::Cancelled);
+    QVERIFY(!ran);
+    while (jobs.running().size() == 2) std::this_thread::sleep_for(1ms);
+    QCOMPARE(jobs.running().size(), std::size_t(1));
+    jobs.cancel(first);
+    jobs.waitForAll();
+
+    std::atomic<int> ended{0};
+    for (int i = 0; i < 50; ++i)
+        jobs.start(
+            "job", untilCancelled, [&](const JobInfo&) { ++ended; }, JobTurn::Queued);
+    jobs.cancelAll();
+    jobs.waitForAll();
+    QCOMPARE(ended.load(), 50);
+}
+
+void TaskTest::idleJobsComeLast()
+{
+    Jobs jobs(1);
+    std::promise<void> go;
+    auto gone = go.get_future().share();
+    std::string order;
+    const auto note = [&](char letter) { return [&order, letter](Progress&) { order += letter; }; };
+    jobs.start(
+        "first", [gone](Progress&) { gone.wait(); }, {}, JobTurn::Queued);
+    jobs.start("idle", note('i'), {}, JobTurn::Idle);
+    jobs.start("queued", note('q'), {}, JobTurn::Queued);
+    std::thread([&] { jobs.start("at once", [&](Progress&) { go.set_value(); }); }).join();
+    jobs.waitForAll();
+    QCOMPARE(QString::fromStdString(order), QString("qi"));
 }
 
 QTEST_APPLESS_MAIN(TaskTest)
