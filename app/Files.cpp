@@ -5,6 +5,7 @@
 #include "core/Error.h"
 #include "core/Text.h"
 #include "core/las/AtomicFile.h"
+#include "core/las/FindFiles.h"
 #include "core/las/SourceFile.h"
 #include "core/task/Progress.h"
 #include "render/store/CloudLoad.h"
@@ -45,10 +46,7 @@ int writeAll(int file, std::string_view bytes)
 
 void checkCloudName(const fs::path& path)
 {
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
-    if (ending != ".las" && ending != ".laz")
+    if (!las::isCloudName(path))
         throw UsageError("The file to write, " + path.string() + ", must end in .las or .laz.");
 }
 

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include "core/las/FindFiles.h"
+
+#include "core/Error.h"
+#include "core/task/Progress.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+#include <system_error>
+
+namespace punctum::las
+{
+
+namespace
+{
+
+/// Adds the files of this folder alone, and the folders in it to `inside`. False: it cannot be read.
+bool look(const std::filesystem::path& folder, FoundFiles& found, std::vector<std::filesystem::path>& inside,
+          std::error_code& error, Progress& progress)
+{
+    std::filesystem::directory_iterator entry(folder, error);
+    for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+        progress.check();
+        std::error_code gone;  // what vanishes meanwhile is not there
+        if (entry->is_directory(gone) && !entry->is_symlink(gone)) {
+            inside.push_back(entry->path());
+        } else if (isCloudName(entry->path()) && entry->is_regular_file(gone)) {
+            const std::uintmax_t size = entry->file_size(gone);
+            if (gone) continue;
+            found.files.push_back(entry->path());
+            found.bytes += size;
+            progress.add(1);
+        }
+    }
+    return !error;
+}
+
+}  // namespace
+
+bool isCloudName(const std::filesystem::path& path)
+{
+    std::string ending = path.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return char(std::tolower(c)); });
+    return ending == ".las" || ending == ".laz";
+}
+
+void findFiles(const std::filesystem::path& folder, FoundFiles& found, Progress& progress)
+{
+    progress.begin("Looking into folders", 0);
+    const auto first = std::ptrdiff_t(found.files.size());
+    std::vector<std::filesystem::path> folders{folder};
+    while (!folders.empty()) {
+        progress.check();
+        const std::filesystem::path next = std::move(folders.back());
+        folders.pop_back();
+        std::error_code error;
+        if (look(next, found, folders, error, progress)) continue;
+        if (next == folder) throw Error(folder, "The folder cannot be read: " + error.message() + ".");
+        ++found.closedFolders;
+    }
+    std::sort(found.files.begin() + first, found.files.end());
+}
+
+}  // namespace punctum::las

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace punctum
+{
+class Progress;
+}
+
+namespace punctum::las
+{
+
+/// The LAS and LAZ files of some folders.
+struct FoundFiles {
+    std::vector<std::filesystem::path> files;  ///< of each folder in the order of their names
+    std::uint64_t bytes = 0;                   ///< of all of them together
+    std::size_t closedFolders = 0;             ///< folders inside that could not be read
+};
+
+/// Whether the name ends in .las or .laz, in any case.
+bool isCloudName(const std::filesystem::path& path);
+
+/// Adds the files of a folder, and of all folders in it, by the endings of their names. Links to folders are not
+/// followed, so that no circle is walked; links to files are files. Any thread. Throws Error when `folder` itself
+/// cannot be read, and Cancelled.
+void findFiles(const std::filesystem::path& folder, FoundFiles& found, Progress& progress);
+
+}  // namespace punctum::las

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// Folders are searched for LAS and LAZ files, wholly, in order, and without walking in circles.
+#include "core/Error.h"
+#include "core/las/FindFiles.h"
+#include "core/task/Progress.h"
+
+#include <QTemporaryDir>
+#include <QTest>
+
+#include <filesystem>
+#include <fstream>
+
+using namespace punctum;
+
+class FindFilesTest : public QObject
+{
+    Q_OBJECT
+
+    static void write(const std::filesystem::path& path, const std::string& bytes = "12345")
+    {
+        std::filesystem::create_directories(path.parent_path());
+        std::ofstream(path) << bytes;
+    }
+
+private slots:
+    void findsThemInAllFolders()
+    {
+        const QTemporaryDir folder;
+        const std::filesystem::path root = folder.path().toStdString();
+        write(root / "b.laz");
+        write(root / "a.LAS", "123");
+        write(root / "notes.txt");
+        write(root / "las");         // a name, no ending
+        write(root / "c.las.part");  // another ending
+        write(root / "deep/er/x.Laz");
+        std::filesystem::create_directories(root / "folder.las");  // a folder is no file, whatever its name
+        write(root / "folder.las/y.las");
+        std::filesystem::create_directory_symlink(root, root / "deep/circle");
+        std::filesystem::create_symlink(root / "b.laz", root / "deep/link.laz");
+        std::filesystem::create_symlink(root / "nowhere", root / "deep/dangling.laz");
+
+        las::FoundFiles found;
+        Progress progress;
+        las::findFiles(root, found, progress);
+        const std::vector<std::filesystem::path> expected{root / "a.LAS", root / "b.laz", root / "deep/er/x.Laz",
+                                                          root / "deep/link.laz", root / "folder.las/y.las"};
+        QVERIFY(found.files == expected);
+        QCOMPARE(found.bytes, std::uint64_t(3 + 4 * 5));
+        QCOMPARE(found.closedFolders, std::size_t(0));
+    }
+
+    void tellsWhatCannotBeRead()
+    {
+        las::FoundFiles found;
+        Progress progress;
+        QVERIFY_EXCEPTION_THROWN(las::findFiles("/there is/no such folder", found, progress), Error);
+        QVERIFY(found.files.empty());
+    }
+
+    void canBeCancelled()
+    {
+        const QTemporaryDir folder;
+        write(std::filesystem::path(folder.path().toStdString()) / "a.las");
+        las::FoundFiles found;
+        Progress progress;
+        progress.cancel();
+        QVERIFY_EXCEPTION_THROWN(las::findFiles(folder.path().toStdString(), found, progress), Cancelled);
+    }
+};
+
+QTEST_GUILESS_MAIN(FindFilesTest)
+#include "FindFilesTest.moc"
