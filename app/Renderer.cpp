@@ -2,10 +2,9 @@
 #include "app/Renderer.h"
 
 #include "core/task/Progress.h"
-#include "render/resolve/EyeDome.h"
+#include "render/progressive/WholePicture.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace punctum::app
 {
@@ -15,6 +14,7 @@ namespace
 
 /// Seconds a frame may take where nobody watches: short enough to answer Ctrl+C at once.
 constexpr double kFrameSeconds = 0.05;
+constexpr std::uint64_t kParts = 1000;  ///< of a picture, as progress is told
 
 }  // namespace
 
@@ -45,7 +45,6 @@ void drawAll(render::ProgressiveRenderer& renderer, bool bruteForce, Progress& p
         renderer.renderBruteForce();
         return;
     }
-    constexpr std::uint64_t kParts = 1000;
     progress.begin("Drawing", kParts);
     std::uint64_t done = 0;
     for (;;) {
@@ -58,82 +57,20 @@ void drawAll(render::ProgressiveRenderer& renderer, bool bruteForce, Progress& p
     }
 }
 
-namespace
-{
-
-constexpr std::int64_t kMostSamples = std::int64_t(1) << 26;  ///< of a picture drawn whole: 512 MiB
-constexpr int kTile = 2048;                                   ///< px
-
-/// The depth range that eye-dome lighting goes by, of a picture that is drawn in tiles: that of a small one, which
-/// shows the same.
-float extentOf(render::ProgressiveRenderer& renderer, int width, int height)
-{
-    const render::DisplaySettings shown = renderer.display();
-    const double scale = double(kTile) / std::max(width, height);
-    render::DisplaySettings small = shown;
-    small.pointSize = std::max(1.0, shown.pointSize * scale);
-    small.samples = 1;
-    renderer.setPart(std::nullopt);
-    renderer.setDisplay(small);
-    renderer.setSize(std::max(1, int(width * scale)), std::max(1, int(height * scale)));
-    renderer.renderBruteForce();
-    std::vector<float> depths;
-    renderer.depths(depths);
-    const bool perspective = !renderer.camera().orthographic;
-    for (float& depth : depths)
-        depth = std::isfinite(depth) ? render::eyeDomeLevel(depth, perspective) : render::kNoLevel;
-    renderer.setDisplay(shown);
-    return render::eyeDomeExtent(depths);
-}
-
-}  // namespace
-
 Picture drawPicture(render::ProgressiveRenderer& renderer, int width, int height, bool bruteForce,
                     Progress& progress)
 {
-    const render::DisplaySettings& display = renderer.display();
-    Picture picture;
-    if (std::int64_t(width) * height * display.samples <= kMostSamples) {
-        renderer.setPart(std::nullopt);
-        renderer.setSize(width, height);
-        drawAll(renderer, bruteForce, progress);
+    render::WholePicture whole(renderer, width, height, bruteForce);
+    progress.begin("Drawing", kParts);
+    std::uint64_t done = 0;
+    while (!whole.draw(kFrameSeconds)) {
         progress.check();
-        picture.covered = renderer.coveredShare();
-        picture.image = renderer.image();
-        return picture;
+        const auto now = std::uint64_t(whole.share() * kParts);
+        if (now > done) progress.add(now - done);
+        done = std::max(done, now);
     }
-    // Tiles overlap by what lighting looks at beyond their edges.
-    const float extent = display.eyeDome > 0 ? extentOf(renderer, width, height) : 0.0f;
-    const int margin = extent > 0 ? 2 * display.eyeDomeReach() : 0;
-    const int side = kTile - 2 * margin;
-    const int columns = (width + side - 1) / side, rows = (height + side - 1) / side;
-    progress.begin("Drawing", std::uint64_t(columns) * std::uint64_t(rows));
-    picture.image.resize(width, height);
-    std::vector<float> depths;
-    renderer.setSize(kTile, kTile);
-    for (int row = 0; row < rows; ++row)
-        for (int column = 0; column < columns; ++column) {
-            progress.check();
-            const int x = column * side, y = row * side;
-            const int w = std::min(side, width - x), h = std::min(side, height - y);
-            renderer.setPart(render::PicturePart{x - margin, y - margin, width, height}, extent);
-            renderer.renderBruteForce();
-            std::size_t covered = 0;
-            renderer.depths(depths);
-            const render::Image& tile = renderer.image();
-            for (int r = 0; r < h; ++r) {
-                const auto from = std::size_t(r + margin) * kTile + std::size_t(margin),
-                           to = std::size_t(y + r) * std::size_t(width) + std::size_t(x);
-                std::copy_n(tile.pixels.begin() + std::ptrdiff_t(from), w,
-                            picture.image.pixels.begin() + std::ptrdiff_t(to));
-                const float* const d = depths.data() + from;
-                covered += std::size_t(std::count_if(d, d + w, [](float depth) { return std::isfinite(depth); }));
-            }
-            picture.covered += double(covered) / (double(width) * double(height));
-            progress.add(1);
-        }
-    renderer.setPart(std::nullopt);
-    return picture;
+    progress.check();
+    return {whole.takeImage(), whole.covered()};
 }
 
 }  // namespace punctum::app
