@@ -64,7 +64,7 @@ std::string HelpFormatter::make_option(const CLI::Option* option, bool positiona
 
 std::string HelpFormatter::make_usage(const CLI::App* app, std::string name) const
 {
-    if (app->get_parent() == nullptr) return "Usage: punctum [FILE...]\n       punctum COMMAND [OPTIONS]\n";
+    if (app->get_parent() == nullptr) return "Usage: punctum [FILE|FOLDER...]\n       punctum COMMAND [OPTIONS]\n";
     std::string usage = "Usage: " + name;
     if (!app->get_subcommands({}).empty()) usage += " WHAT";
     for (const CLI::Option* option : app->get_options([](const CLI::Option* o) { return o->get_positional(); })) {

@@ -9,6 +9,7 @@
 #include <QFileInfo>
 
 #include <algorithm>
+#include <utility>
 
 namespace punctum::ui
 {
@@ -17,6 +18,7 @@ Document::Document(std::shared_ptr<OpenCloud> data, QObject* parent)
     : QObject(parent),
       m_data(std::move(data)),
       m_path(toQString(m_data->path)),
+      m_name(fileName()),
       m_recovered(m_data->source->recovered),
       m_bounds(m_data->source->firstBounds),
       m_attributes(m_data->cloud->attributes())  // nobody else knows the cloud's list yet
@@ -27,9 +29,21 @@ Document::Document(std::shared_ptr<OpenCloud> data, QObject* parent)
         if (std::find(losses.begin(), losses.end(), warning) == losses.end()) m_warnings << toQString(warning);
 }
 
-QString Document::name() const
+QString Document::fileName() const
 {
     return QFileInfo(m_path).fileName();
+}
+
+QString Document::origin() const
+{
+    return m_origin.isEmpty() ? m_path : m_origin;
+}
+
+void Document::setDistinction(const QString& part)
+{
+    const QString name = part.isEmpty() ? fileName() : QStringLiteral("%1 (%2)").arg(fileName(), part);
+    if (name == std::exchange(m_name, name)) return;
+    emit stateChanged();
 }
 
 double Document::loadedShare() const noexcept
@@ -157,6 +171,8 @@ void Document::setSavedAs(const std::filesystem::path& path, LastSave save)
     m_lastSave = std::move(save);
     if (path != m_data->path) m_recovered = false;  // the damaged file is another one now
     m_path = toQString(path);
+    m_name = fileName();  // until it is compared with the others again
+    m_origin.clear();
     emit stateChanged();
 }
 

@@ -61,7 +61,11 @@ public:
     const las::SourceFile& source() const noexcept { return *m_data->source; }
 
     QString path() const { return m_path; }
-    QString name() const;  ///< file name without folder
+    QString fileName() const;  ///< without folder
+    /// File name, with the part of its path by which it differs from another open file of that name.
+    QString name() const { return m_name; }
+    /// The folder that was opened with this file in it, or its path: what the user would open again.
+    QString origin() const;
     State state() const noexcept { return m_state; }
     bool loading() const noexcept { return m_state == State::Loading; }
     double loadedShare() const noexcept;
@@ -119,6 +123,9 @@ public:
     void allowUpgrade() { m_upgradeAllowed = true; }
 
     // -- called by the Workspace
+    void setOrigin(const QString& path) { m_origin = path; }
+    /// Of its path, what tells it from others of its file name; empty: nothing is needed.
+    void setDistinction(const QString& part);
     void setLoaded(const las::ReadResult& result);
     void setAttributes(std::vector<Attribute> attributes);
     void setFigures(const QString& name, const AttributeFigures& figures);
@@ -141,7 +148,7 @@ private:
     void takeBounds(int axis, const AttributeStatistics& figures);
 
     std::shared_ptr<OpenCloud> m_data;
-    QString m_path;
+    QString m_path, m_name, m_origin;
     State m_state = State::Loading;
     bool m_recovered = false;
     PointIndex m_missingPoints = 0;

@@ -4,6 +4,8 @@
 #include "core/process/Step.h"
 #include "ui/Document.h"
 #include "ui/MainWindow.h"
+#include "ui/Opener.h"
+#include "ui/Panels.h"
 #include "ui/RecoveryList.h"
 #include "ui/Text.h"
 #include "ui/ViewSettings.h"
@@ -17,6 +19,7 @@
 #include "ui/docks/PropertiesDock.h"
 #include "ui/docks/VisibilityDock.h"
 #include "ui/measure/MeasureDock.h"
+#include "ui/screenshot/Screenshots.h"
 #include "ui/select/EditDock.h"
 #include "ui/select/UndoOrder.h"
 #include "ui/style/Icons.h"
@@ -36,6 +39,13 @@ namespace
 
 /// Stands for no kind among the values of BackendKind.
 constexpr int kFastestBackend = -1;
+/// Property of an action: the title of its menu.
+constexpr char kGroup[] = "group";
+
+QString withoutMarks(QString text)
+{
+    return text.remove(QLatin1Char('&')).remove(QStringLiteral("..."));
+}
 
 }  // namespace
 
@@ -57,12 +67,15 @@ QAction* MainMenu::add(QMenu* menu, const QString& text, const QString& icon, co
     auto* action = new QAction(text, &m_window);
     if (!icon.isEmpty()) action->setIcon(lineIcon(icon));
     action->setShortcuts(keys);
-    QString hint = tip.isEmpty() ? QString(text).remove(QLatin1Char('&')).remove(QStringLiteral("...")) : tip;
+    QString hint = tip.isEmpty() ? withoutMarks(text) : tip;
     if (!keys.isEmpty()) hint += QStringLiteral(" (%1)").arg(keys.front().toString(QKeySequence::NativeText));
     action->setToolTip(hint);
     action->setIconVisibleInMenu(false);  // icons in the tool bar, words in the menus
     connect(action, &QAction::triggered, this, [act = std::move(act)] { act(); });
-    if (menu) menu->addAction(action);
+    if (menu) {
+        menu->addAction(action);
+        action->setProperty(kGroup, menu->title());
+    }
     m_window.addAction(action);
     m_all.push_back(action);
     return action;
@@ -94,7 +107,7 @@ QAction* MainMenu::addTool(QMenu* menu, QActionGroup* group, int id, const QStri
 QMenu& MainMenu::insertMenu(const QString& title)
 {
     auto* menu = new QMenu(title, &m_window);
-    m_window.menuBar()->insertMenu(m_viewMenu->menuAction(), menu);
+    m_window.menuBar()->insertMenu(m_processMenu->menuAction(), menu);
     return *menu;
 }
 
@@ -102,7 +115,10 @@ void MainMenu::makeFile()
 {
     QMenu* menu = m_window.menuBar()->addMenu(tr("&File"));
     open = add(menu, tr("&Open..."), QStringLiteral("open"), {QKeySequence::Open}, tr("Open LAS or LAZ files"),
-               [this] { m_window.chooseFiles(); });
+               [this] { m_window.opener().chooseFiles(); });
+    add(menu, tr("Open &Folder..."), {}, {QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_O)},
+        tr("Open all LAS and LAZ files of a folder and of those in it"),
+        [this] { m_window.opener().chooseFolder(); });
     m_recent = menu->addMenu(tr("Open &Recent"));
     menu->addSeparator();
     save = add(menu, tr("&Save"), QStringLiteral("save"), {QKeySequence::Save}, tr("Save the active file"),
@@ -115,11 +131,8 @@ void MainMenu::makeFile()
     recover->setObjectName(QStringLiteral("recoverEdits"));
     menu->addSeparator();
     screenshot = add(menu, tr("&Export Screenshot..."), QStringLiteral("screenshot"), {QKeySequence(Qt::Key_F12)},
-                     tr("Save the finished picture of the view, or of the section that has the keys, as PNG"),
-                     [this] { m_window.exportScreenshot(); });
-    QAction* transparent = menu->addAction(tr("&Transparent Background in Screenshots"));
-    transparent->setCheckable(true);
-    connect(transparent, &QAction::toggled, &m_window, &MainWindow::setTransparentScreenshots);
+                     tr("Save a picture of the view or of the section, of any size, with legend and scale bar"),
+                     [this] { m_window.screenshots().choose(); });
     menu->addSeparator();
     close = add(menu, tr("&Close"), {}, {QKeySequence(Qt::CTRL | Qt::Key_W)}, tr("Close the active file"),
                 [this] { m_window.closeActive(); });
@@ -140,7 +153,7 @@ void MainMenu::makeEdit()
 
 void MainMenu::makeView()
 {
-    QMenu* menu = m_viewMenu = m_window.menuBar()->addMenu(tr("&View"));
+    QMenu* menu = m_window.menuBar()->addMenu(tr("&View"));
     Viewport& viewport = m_window.viewport();
     ViewSettings& settings = m_window.viewSettings();
 
@@ -258,6 +271,9 @@ void MainMenu::makeView()
     menu->addSeparator();
 
     QMenu* panels = menu->addMenu(tr("Pa&nels"));
+    add(panels, tr("&Hide or Show All Panels"), {}, {QKeySequence(Qt::Key_F9)},
+        tr("Give the view all of the window"), [this] { m_window.panels().toggle(); });
+    panels->addSeparator();
     for (QDockWidget* dock : std::initializer_list<QDockWidget*>{
              &m_window.attributesDock(), &m_window.classesDock(), &m_window.processingDock(), &m_window.editDock(),
              &m_window.propertiesDock(), &m_window.visibilityDock(), &m_window.measureDock(),
@@ -297,7 +313,7 @@ void MainMenu::chooseBackground(ViewSettings& settings)
 
 void MainMenu::makeProcess()
 {
-    QMenu* menu = m_window.menuBar()->addMenu(tr("&Process"));
+    QMenu* menu = m_processMenu = m_window.menuBar()->addMenu(tr("&Process"));
     for (const Step* step : allSteps()) {
         const QString name = toQString(step->name());
         QAction* action = add(menu, toQString(step->title()) + QStringLiteral("..."), {}, {},
@@ -446,7 +462,8 @@ std::vector<MainMenu::Shortcut> MainMenu::shortcuts() const
         QString what = action->text();
         if (action == undo) what = tr("Undo");
         if (action == redo) what = tr("Redo");
-        list.push_back({keys.join(tr(" or ")), what.remove(QLatin1Char('&')).remove(QStringLiteral("..."))});
+        list.push_back(
+            {withoutMarks(action->property(kGroup).toString()), keys.join(tr(" or ")), withoutMarks(what)});
     }
     return list;
 }

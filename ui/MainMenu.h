@@ -40,9 +40,9 @@ public:
     void setAppearance(Appearance appearance);
     /// Reads the settings that other parts may have changed.
     void takeViewSettings(const ViewSettings& settings);
-    /// "Ctrl+O  Open", one line an action that has a shortcut; for the help page.
+    /// "Ctrl+O  Open", one line an action that has a shortcut, by menus; for the help page.
     struct Shortcut {
-        QString keys, what;
+        QString group, keys, what;
     };
     std::vector<Shortcut> shortcuts() const;
     /// For parts that bring actions of their own: listed with the shortcuts, and off while nothing is open.
@@ -52,7 +52,7 @@ public:
     /// A tool of the view that is on or off; at most one of its group is on. Marks it with `id`.
     QAction* addTool(QMenu* menu, QActionGroup* group, int id, const QString& text, const QString& icon,
                      const QList<QKeySequence>& keys, const QString& tip, std::function<void(bool on)> toggled);
-    /// A menu before View.
+    /// A menu before Process.
     QMenu& insertMenu(const QString& title);
     QToolBar& toolBar() noexcept { return *m_toolBar; }
 
@@ -85,7 +85,7 @@ private:
 
     MainWindow& m_window;
     QToolBar* m_toolBar = nullptr;
-    QMenu* m_viewMenu = nullptr;
+    QMenu* m_processMenu = nullptr;
     QMenu* m_recent = nullptr;
     QMenu* m_colorBy = nullptr;
     QActionGroup* m_views = nullptr;

@@ -7,10 +7,11 @@
 #include "ui/HelpPages.h"
 #include "ui/MainMenu.h"
 #include "ui/MessageArea.h"
+#include "ui/Opener.h"
+#include "ui/Panels.h"
 #include "ui/PlainKeys.h"
 #include "ui/Recovery.h"
 #include "ui/SaveDialogs.h"
-#include "ui/Screenshot.h"
 #include "ui/ShownCount.h"
 #include "ui/ShownPill.h"
 #include "ui/Text.h"
@@ -34,6 +35,7 @@
 #include "ui/measure/MeasureDock.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
+#include "ui/screenshot/Screenshots.h"
 #include "ui/section/SectionTool.h"
 #include "ui/section/Sections.h"
 #include "ui/select/EditDock.h"
@@ -99,9 +101,11 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     m_measureTools = new MeasureTools(*m_viewport, *m_workspace, *m_measurements, this);
     addDocks();
     m_menu = new MainMenu(*this);
-    addMeasureMenu(*this, *m_measureTools, *m_measurements, *m_measureDock);
     m_selectBar = new SelectBar(*this, *m_selection, *m_selectTools);
+    addMeasureMenu(*this, *m_measureTools, *m_measurements, *m_measureDock);
     m_sections = new Sections(*this, *views, *m_settings);
+    m_opener = new Opener(*this, *m_settings);
+    m_screenshots = new Screenshots(*this, *m_settings);
 
     m_readOut = new QLabel;
     m_viewState = new QLabel;
@@ -113,8 +117,7 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
 
     new PlainKeys(*this);
     connectParts();
-    m_settings->restore(*this, *m_view);
-    m_menu->setRecentFiles(m_settings->recentFiles());
+    if (!m_settings->restore(*this, *m_view)) m_panels->arrange();
     m_menu->setAppearance(m_settings->appearance());
     m_menu->setBackend(backend);
     const render::OrderKind order = options.order.value_or(m_settings->order());
@@ -146,35 +149,10 @@ void MainWindow::addDocks()
     m_measureDock = new MeasureDock(*m_measurements, this);
     m_jobs = new JobsDock(*m_workspace, this);
     m_visibility = new VisibilityDock(*m_filter, *m_view, *m_viewport, this);
-    addDockWidget(Qt::LeftDockWidgetArea, m_attributes);
-    addDockWidget(Qt::LeftDockWidgetArea, m_classes);
-    addDockWidget(Qt::RightDockWidgetArea, m_processing);
-    addDockWidget(Qt::RightDockWidgetArea, m_properties);
-    addDockWidget(Qt::RightDockWidgetArea, m_edit);
-    tabifyDockWidget(m_processing, m_edit);
-    tabifyDockWidget(m_edit, m_properties);
-    tabifyDockWidget(m_properties, m_visibility);
-    addDockWidget(Qt::RightDockWidgetArea, m_measureDock);
-    tabifyDockWidget(m_visibility, m_measureDock);
-    addDockWidget(Qt::RightDockWidgetArea, m_jobs);
-    addDockWidget(Qt::RightDockWidgetArea, m_history);
-    tabifyDockWidget(m_jobs, m_history);
-    m_jobs->raise();
-    m_processing->raise();
-    for (QDockWidget* dock : std::initializer_list<QDockWidget*>{m_attributes, m_classes}) {
-        auto* title = new QLabel(dock->windowTitle());
-        title->setProperty("dockTitle", true);
-        dock->setTitleBarWidget(title);
-    }
-    // These share a place, and their tabs say their names.
-    for (QDockWidget* dock : std::initializer_list<QDockWidget*>{m_processing, m_edit, m_properties, m_visibility,
-                                                                 m_measureDock, m_jobs, m_history})
-        dock->setTitleBarWidget(new QWidget);
-    setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
-    setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
-    resizeDocks({m_attributes, m_processing}, {350, 310}, Qt::Horizontal);
-    resizeDocks({m_attributes, m_classes}, {640, 280}, Qt::Vertical);
-    resizeDocks({m_processing, m_jobs}, {700, 170}, Qt::Vertical);
+    m_panels = new Panels(*this);
+    m_panels->addLeft({m_attributes, m_classes});
+    m_panels->addRight({m_processing, m_edit, m_properties, m_visibility, m_measureDock});
+    m_panels->addRight({m_jobs, m_history});
 }
 
 void MainWindow::connectParts()
@@ -197,7 +175,11 @@ void MainWindow::connectParts()
     connect(m_workspace, &Workspace::documentAdded, this, &MainWindow::documentAdded);
     connect(m_workspace, &Workspace::documentLoaded, this, &MainWindow::documentLoaded);
     connect(m_workspace, &Workspace::documentRemoved, this, &MainWindow::documentRemoved);
-    connect(m_workspace, &Workspace::documentStateChanged, this, [this] { updateTitle(); });
+    connect(m_workspace, &Workspace::documentStateChanged, this, [this](const Document* document) {
+        if (document == m_workspace->active()) updateTitle();
+    });
+    m_titleTimer.setSingleShot(true);
+    connect(&m_titleTimer, &QTimer::timeout, this, &MainWindow::updateTitle);
     connect(m_workspace, &Workspace::message, this,
             [this](MessageKind kind, const QString& text, const QString& details, const Document* about) {
                 m_viewport->messages().add(kind, text, details, about);
@@ -205,7 +187,6 @@ void MainWindow::connectParts()
     const auto showDetails = [this](const QString& text) { showReport(this, tr("Details"), text); };
     connect(&m_viewport->messages(), &MessageArea::detailsWanted, this, showDetails);
     connect(m_properties, &PropertiesDock::detailsWanted, this, showDetails);
-    connect(m_workspace, &Workspace::saved, this, [this](const Document* d) { rememberFile(d->path()); });
     connect(m_workspace, &Workspace::cloudChanged, this,
             [this](const Document* document, const ChangeNotice& notice) {
                 m_renderer->valuesChanged(document->cloud(), notice);
@@ -228,11 +209,9 @@ void MainWindow::connectParts()
     });
 
     for (Viewport* view : {m_viewport, &m_sections->viewport()}) {
-        connect(view, &Viewport::filesDropped, this, &MainWindow::openFiles);
         connect(view, &Viewport::attributeDropped, this, &MainWindow::showAttribute);
         connect(view, &Viewport::hovered, this, &MainWindow::showReadOut);
     }
-    connect(m_viewport, &Viewport::openRequested, this, &MainWindow::chooseFiles);
     connect(m_viewport, &Viewport::frameShown, this, &MainWindow::showViewState);
     connect(m_shown, &ShownCount::changed, this, &MainWindow::showViewState);
     connect(m_attributes, &AttributesDock::attributeChosen, this, &MainWindow::showAttribute);
@@ -257,37 +236,30 @@ void MainWindow::connectParts()
         m_settings->setOrder(order);
     });
     connect(m_menu, &MainMenu::appearanceChosen, this, &MainWindow::setAppearance);
-    connect(m_menu, &MainMenu::recentChosen, this, [this](const QString& path) { openFiles({path}); });
-    connect(m_menu, &MainMenu::recentCleared, this, [this] {
-        m_settings->clearRecentFiles();
-        m_menu->setRecentFiles({});
-    });
 }
 
 // -- documents
 
 void MainWindow::openFiles(const QStringList& files)
 {
-    for (const QString& file : files) m_workspace->open(file);
+    m_opener->open(files);
 }
 
 void MainWindow::documentAdded(Document* document)
 {
     m_renderer->addCloud(document->data()->store);
-    updateTitle();
+    m_titleTimer.start();
 }
 
 void MainWindow::documentLoaded(Document* document)
 {
     m_renderer->loadingEnded(document->cloud(), document->rawBounds());
-    rememberFile(document->path());
-    updateTitle();
 }
 
 void MainWindow::documentRemoved(Document* document)
 {
     m_renderer->removeCloud(document->cloud());
-    updateTitle();
+    m_titleTimer.start();
 }
 
 void MainWindow::fitAll()
@@ -312,16 +284,6 @@ void MainWindow::updateTitle()
         m_readOut->clear();
         m_viewState->clear();
     }
-}
-
-void MainWindow::chooseFiles()
-{
-    const QStringList files =
-        QFileDialog::getOpenFileNames(this, tr("Open point clouds"), m_settings->folder(),
-                                      tr("LAS/LAZ point clouds (*.las *.laz *.LAS *.LAZ);;All files (*)"));
-    if (files.isEmpty()) return;
-    m_settings->setFolder(QFileInfo(files.front()).path());
-    openFiles(files);
 }
 
 void MainWindow::save()
@@ -436,38 +398,6 @@ void MainWindow::showViewState()
     if (m_workspace->active()) m_viewState->setText(m_shown->progressText(frame->report));
 }
 
-void MainWindow::exportScreenshot()
-{
-    if (!m_workspace->active()) return;
-    QString path = QFileDialog::getSaveFileName(
-        this, sectionHasKeys() ? tr("Export screenshot of the section") : tr("Export screenshot"), screenshotName(),
-        tr("PNG picture (*.png)"));
-    if (path.isEmpty()) return;
-    if (QFileInfo(path).suffix().isEmpty()) path += QStringLiteral(".png");
-    exportScreenshotTo(path);
-}
-
-void MainWindow::exportScreenshotTo(const QString& path)
-{
-    const QString name = QFileInfo(path).fileName();
-    const bool section = sectionHasKeys();
-    saveScreenshot(*m_workspace, (section ? m_sections->viewport() : *m_viewport).renderer(), path,
-                   m_transparentScreenshots,
-                   section ? tr("Saved the section as %1.").arg(name) : tr("Saved %1.").arg(name));
-}
-
-bool MainWindow::sectionHasKeys() const
-{
-    return m_sections->section() && focusWidget() == &m_sections->viewport();
-}
-
-QString MainWindow::screenshotName() const
-{
-    const Document* active = m_workspace->active();
-    const QString base = active ? QFileInfo(active->name()).completeBaseName() : QStringLiteral("punctum");
-    return m_settings->folder() + QLatin1Char('/') + base + QStringLiteral(".png");
-}
-
 // -- settings and help
 
 void MainWindow::setAppearance(Appearance appearance)
@@ -475,12 +405,6 @@ void MainWindow::setAppearance(Appearance appearance)
     m_settings->setAppearance(appearance);
     applyTheme(*qApp, appearance);
     m_menu->setAppearance(appearance);
-}
-
-void MainWindow::rememberFile(const QString& path)
-{
-    m_settings->addRecentFile(path);
-    m_menu->setRecentFiles(m_settings->recentFiles());
 }
 
 void MainWindow::showAbout()

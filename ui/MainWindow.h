@@ -8,6 +8,7 @@
 
 #include <QMainWindow>
 #include <QStringList>
+#include <QTimer>
 
 #include <functional>
 #include <memory>
@@ -28,12 +29,15 @@ class MainMenu;
 class MeasureDock;
 class MeasureTools;
 class Measurements;
+class Opener;
+class Panels;
 class ProcessingDock;
 class PropertiesDock;
 class EditDock;
 class HistoryDock;
 class SelectBar;
 class SelectTools;
+class Screenshots;
 class Sections;
 class Selection;
 class ViewRenderer;
@@ -75,10 +79,13 @@ public:
     explicit MainWindow(const WindowOptions& options = {}, QWidget* parent = nullptr);
     ~MainWindow() override;
 
-    /// Opens these files, each as a job; returns at once.
+    /// Opens these files, and those in these folders, by jobs; returns at once.
     void openFiles(const QStringList& files);
 
     Workspace& workspace() noexcept { return *m_workspace; }
+    Opener& opener() noexcept { return *m_opener; }
+    Panels& panels() noexcept { return *m_panels; }
+    Screenshots& screenshots() noexcept { return *m_screenshots; }
     Viewport& viewport() noexcept { return *m_viewport; }
     ViewSettings& viewSettings() noexcept { return *m_view; }
     ViewRenderer& renderer() noexcept { return *m_renderer; }
@@ -109,19 +116,14 @@ public:
     std::function<UnsavedAnswer(const QString& fileName, const QString& changes)> askUnsaved;
 
 public slots:
-    void chooseFiles();
     void save();
     void saveAs();
     void closeActive();
-    void exportScreenshot();
-    /// Writes the finished picture of the view that has the keys as PNG, in a job.
-    void exportScreenshotTo(const QString& path);
     void saveTo(Document& document, const QString& path);
     /// Shows the next (1) or previous (-1) attribute of the active document.
     void stepAttribute(int direction);
     void fitAll();
     void fitActive();
-    void setTransparentScreenshots(bool on) { m_transparentScreenshots = on; }
     void showAttribute(const QString& name);
     void showAbout();
     void showShortcuts();
@@ -140,11 +142,8 @@ private:
     void showViewState();
     void setBackend(render::BackendKind kind);
     void setAppearance(Appearance appearance);
-    void rememberFile(const QString& path);
     /// True: go on at once. False: not now; after a save that was asked for, `afterSaving` is called.
     bool confirmClose(Document& document, std::function<void()> afterSaving);
-    bool sectionHasKeys() const;
-    QString screenshotName() const;
 
     Workspace* m_workspace = nullptr;
     std::unique_ptr<WindowSettings> m_settings;
@@ -163,6 +162,9 @@ private:
     ViewFilter* m_filter = nullptr;
     VisibilityDock* m_visibility = nullptr;
     MainMenu* m_menu = nullptr;
+    Panels* m_panels = nullptr;
+    Opener* m_opener = nullptr;
+    Screenshots* m_screenshots = nullptr;
     Selection* m_selection = nullptr;
     SelectTools* m_selectTools = nullptr;
     SelectBar* m_selectBar = nullptr;
@@ -175,7 +177,7 @@ private:
     QLabel* m_readOut = nullptr;
     QLabel* m_viewState = nullptr;
     QLabel* m_backend = nullptr;
-    bool m_transparentScreenshots = false;
+    QTimer m_titleTimer;  ///< files come by the hundred: their number is shown once for all that come together
 };
 
 /// Shows the window with these files and runs the event loop; the exit code of the program.

@@ -4,10 +4,7 @@
 #include "ui/style/Icons.h"
 #include "ui/style/Theme.h"
 
-#include <QLabel>
 #include <QPainter>
-#include <QPushButton>
-#include <QVBoxLayout>
 
 #include <algorithm>
 #include <cmath>
@@ -125,37 +122,6 @@ void CompassOverlay::paintEvent(QPaintEvent*)
 {
     QPainter painter(this);
     paintScaleBar(painter, {}, m_bar, markStyle());
-}
-
-// -- nothing open
-
-EmptyPage::EmptyPage(QWidget* parent) : QWidget(parent)
-{
-    auto* icon = new QLabel;
-    icon->setPixmap(lineIcon(QStringLiteral("cloud"), QColor(120, 128, 138)).pixmap(72, 72));
-    icon->setAlignment(Qt::AlignCenter);
-    auto* title = new QLabel(tr("Drop LAS or LAZ files here"));
-    title->setFont(scaledFont(title->font(), 1.7, true));
-    title->setAlignment(Qt::AlignCenter);
-    title->setStyleSheet(QStringLiteral("color: #e3e5e8;"));
-    auto* detail = new QLabel(tr("or press Ctrl+O to choose them. They open as they are: nothing is converted."));
-    detail->setAlignment(Qt::AlignCenter);
-    detail->setStyleSheet(QStringLiteral("color: #98a0a8;"));
-    auto* button = new QPushButton(tr("Open..."));
-    button->setProperty("primary", true);
-    button->setCursor(Qt::PointingHandCursor);
-    connect(button, &QPushButton::clicked, this, &EmptyPage::openRequested);
-
-    auto* column = new QVBoxLayout(this);
-    column->setSpacing(10);
-    column->addStretch(4);
-    column->addWidget(icon);
-    column->addSpacing(6);
-    column->addWidget(title);
-    column->addWidget(detail);
-    column->addSpacing(14);
-    column->addWidget(button, 0, Qt::AlignHCenter);
-    column->addStretch(5);
 }
 
 // -- dropping

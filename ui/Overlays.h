@@ -80,17 +80,6 @@ private:
     ScaleBar m_bar;
 };
 
-/// Shown while nothing is open.
-class EmptyPage final : public QWidget
-{
-    Q_OBJECT
-public:
-    explicit EmptyPage(QWidget* parent);
-
-signals:
-    void openRequested();
-};
-
 /// Says over the whole view what dropping here will do.
 class DropHint final : public QWidget
 {

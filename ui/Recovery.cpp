@@ -127,7 +127,7 @@ void Recovery::look(Document& document)
             if (info.state == JobState::Failed) m_workspace.say(MessageKind::Warning, toQString(info.error));
             if (target && found->journal) offer(*target, found->path, found->journal);
         },
-        true);
+        true, JobTurn::Idle);
 }
 
 void Recovery::offer(Document& document, const std::filesystem::path& path,

@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <chrono>
+#include <limits>
 #include <mutex>
 #include <shared_mutex>
 #include <utility>
@@ -19,7 +21,8 @@ namespace punctum::ui
 namespace
 {
 
-constexpr double kCaptureFrame = 0.05;  // s: a picture that somebody waits for, whatever the budget of frames
+constexpr double kWaitedFrame = 0.05;     // s: a picture that somebody waits for, whatever the budget of frames
+constexpr double kLoadingPatience = 0.3;  // s
 
 QString pickedValue(const Attribute& attribute, PointIndex index)
 {
@@ -92,11 +95,6 @@ void ViewPicture::apply(const ViewWish& wish)
     dirty = true;
 }
 
-void ViewPicture::askCapture(bool transparent, ViewRenderer::CaptureDone done)
-{
-    m_captures.push_back({transparent, std::move(done)});
-}
-
 void ViewPicture::askSnapshot(std::shared_ptr<const PointCloud> cloud, SnapshotDone done)
 {
     m_snapshots.push_back({std::move(cloud), std::move(done)});
@@ -105,7 +103,6 @@ void ViewPicture::askSnapshot(std::shared_ptr<const PointCloud> cloud, SnapshotD
 void ViewPicture::refuse()
 {
     for (const Snapshot& wanted : std::exchange(m_snapshots, {})) wanted.done(nullptr);
-    for (const Capture& wanted : std::exchange(m_captures, {})) wanted.done(nullptr);
 }
 
 void ViewPicture::renderNext(std::span<const DrawnCloud> clouds, double seconds)
@@ -119,22 +116,22 @@ void ViewPicture::renderNext(std::span<const DrawnCloud> clouds, double seconds)
     }
     if (!renderer->converged()) return;
     serveSnapshots(clouds);
-    if (!loading) serveCaptures();
 }
 
 void ViewPicture::finishAndServe(std::span<const DrawnCloud> clouds)
 {
-    if (m_snapshots.empty() && m_captures.empty()) return;
-    if (!renderer || broken || anyLoading(clouds)) return;
+    if (m_snapshots.empty() || !renderer || broken) return;
     if (std::exchange(fresh, false)) apply(known);
-    converge();
+    // While points arrive no picture is ever finished: what is there is what was drawn on.
+    converge(anyLoading(clouds) ? kLoadingPatience : std::numeric_limits<double>::infinity());
     serveSnapshots(clouds);
-    serveCaptures();
 }
 
-void ViewPicture::converge()
+void ViewPicture::converge(double most)
 {
-    while (!renderer->renderFrame(kCaptureFrame).converged) {
+    const auto start = std::chrono::steady_clock::now();
+    while (!renderer->renderFrame(kWaitedFrame).converged &&
+           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < most) {
     }
 }
 
@@ -186,33 +183,6 @@ std::shared_ptr<ViewSnapshot> ViewPicture::snapshotOf(const std::shared_ptr<cons
     view->pivotDepth = glm::dot(glm::dvec3(p.rowD), pivot) + p.rowD.w;
     view->visible = std::make_shared<PointSet>(renderer->visiblePoints(*cloud));
     return view;
-}
-
-void ViewPicture::serveCaptures()
-{
-    const render::DisplaySettings shown = renderer->display();
-    while (!m_captures.empty()) {
-        const Capture capture = takeFirst(m_captures);
-        std::shared_ptr<render::Image> image;
-        try {
-            if (capture.transparent) {
-                render::DisplaySettings bare = shown;
-                bare.backgroundTop.a = bare.backgroundBottom.a = 0;
-                renderer->setDisplay(bare);
-                converge();
-            }
-            image = std::make_shared<render::Image>(renderer->image());
-        } catch (...) {
-            renderer->setDisplay(shown);
-            capture.done(nullptr);
-            throw;
-        }
-        capture.done(std::move(image));
-        if (capture.transparent) {
-            renderer->setDisplay(shown);
-            converge();
-        }
-    }
 }
 
 std::optional<PickedPoint> ViewPicture::pick(int x, int y, int radius, std::span<const DrawnCloud> clouds) const

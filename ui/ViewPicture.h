@@ -63,7 +63,6 @@ public:
     bool wantsFrame(bool loading) const { return !finished() || (loading && renderer && !broken); }
 
     /// `done`: called once the picture is finished; with null by refuse().
-    void askCapture(bool transparent, ViewRenderer::CaptureDone done);
     void askSnapshot(std::shared_ptr<const PointCloud> cloud, SnapshotDone done);
     /// Draws for this long, publishes, and gives what was asked for when the picture is finished.
     void renderNext(std::span<const DrawnCloud> clouds, double seconds);
@@ -73,17 +72,13 @@ public:
     std::optional<PickedPoint> pick(int x, int y, int radius, std::span<const DrawnCloud> clouds) const;
 
 private:
-    struct Capture {
-        bool transparent = false;
-        ViewRenderer::CaptureDone done;
-    };
     struct Snapshot {
         std::shared_ptr<const PointCloud> cloud;
         SnapshotDone done;
     };
     void publish(const render::FrameReport& report);
-    void converge();
-    void serveCaptures();
+    /// `most`: seconds after which it ends in any case.
+    void converge(double most);
     void serveSnapshots(std::span<const DrawnCloud> clouds);
     std::shared_ptr<ViewSnapshot> snapshotOf(const std::shared_ptr<const PointCloud>& cloud);
 
@@ -91,7 +86,6 @@ private:
     Publish m_publish;
     std::shared_ptr<FramePool> m_pool;
     FrameTextures* m_textures = nullptr;
-    std::vector<Capture> m_captures;
     std::vector<Snapshot> m_snapshots;
     std::uint64_t m_frames = 0;
 };

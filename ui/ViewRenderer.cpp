@@ -5,6 +5,8 @@
 #include "render/gl/EglContext.h"
 #include "render/raster/BackendChoice.h"
 #include "render/store/PointStore.h"
+#include "ui/FrameShares.h"
+#include "ui/Still.h"
 #include "ui/Text.h"
 #include "ui/ViewPicture.h"
 
@@ -12,6 +14,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <deque>
 #include <future>
 
 namespace punctum::ui
@@ -22,6 +25,8 @@ namespace
 
 /// Between two frames of a still camera while points arrive: most of the processor belongs to loading then.
 constexpr std::chrono::milliseconds kLoadingPause(60);
+/// Seconds for a part of a still while the views are finished: short enough that they answer at once.
+constexpr double kStillFrame = 0.03;
 /// Nobody waits for a picture: time to measure what draws fastest.
 constexpr std::chrono::seconds kQuiet(3);
 
@@ -41,6 +46,7 @@ struct ViewRenderer::Thread {
     render::BackendKind wanted = render::BackendKind::Cpu;  ///< what applyChoice() asked for; `kind` draws
     bool measured = false;                                  ///< `fastest` is known to be of this machine
     std::vector<DrawnCloud> clouds;
+    std::deque<std::unique_ptr<StillDrawing>> stills;  ///< the first is being drawn
     double budget = render::kFrameSeconds;
 
     ViewPicture& first() { return *pictures.front(); }
@@ -53,6 +59,7 @@ struct ViewRenderer::Thread {
             picture->dirty = true;
             picture->attempt([&] { change(*picture->renderer); });
         }
+        for (const auto& still : stills) still->follow(change);
     }
     /// Lets the first renderer change the stores, and tells the others.
     template <typename Change>
@@ -281,10 +288,14 @@ void ViewRenderer::pick(int x, int y, QObject* receiver, PickReply reply, int ra
     });
 }
 
-void ViewRenderer::capture(bool transparent, CaptureDone done)
+void ViewRenderer::draw(std::shared_ptr<Still> still)
 {
-    post([this, transparent, done = std::move(done)](Thread& thread) {
-        pictureOf(thread).askCapture(transparent, done);
+    post([still = std::move(still)](Thread& thread) {
+        try {
+            thread.stills.push_back(std::make_unique<StillDrawing>(still, thread.clouds));
+        } catch (const std::exception& e) {
+            still->refuse(e.what());
+        }
     });
 }
 
@@ -444,7 +455,10 @@ void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBacken
             ViewPicture& picture = view->pictureOf(thread);
             if (wish.size) picture.known.size = wish.size;
             if (wish.camera) picture.known.camera = wish.camera;
-            if (wish.display) picture.known.display = wish.display;
+            if (wish.display) {
+                picture.known.display = wish.display;
+                for (const auto& still : thread.stills) still->attributeChosen(wish.display->attribute);
+            }
             if (!picture.renderer || picture.fresh) continue;  // it could not be made, or is told all below
             picture.attempt([&, &wish = wish] { picture.apply(wish); });
             moved = moved || wish.camera;
@@ -452,20 +466,34 @@ void ViewRenderer::run(std::optional<render::BackendKind> backend, FastestBacken
         settleFailures(thread);
         for (const auto& picture : thread.pictures)
             if (picture->dirty) picture->broken = false;
+        drawFrames(thread);
         const bool loading = anyLoading(thread.clouds);
-        const auto drawn = std::count_if(thread.pictures.begin(), thread.pictures.end(),
-                                         [&](const auto& picture) { return picture->wantsFrame(loading); });
-        for (const auto& picture : thread.pictures) {
-            if (picture->renderer && !picture->broken)
-                picture->attempt(
-                    [&] { picture->renderNext(thread.clouds, thread.budget / double(std::max<long>(drawn, 1))); });
-            settleFailures(thread);
-            if (picture->broken || !picture->renderer) picture->refuse();
-        }
-        idle = !loading && std::all_of(thread.pictures.begin(), thread.pictures.end(),
-                                       [](const auto& picture) { return picture->finished(); });
+        idle = !loading && thread.stills.empty() &&
+               std::all_of(thread.pictures.begin(), thread.pictures.end(),
+                           [](const auto& picture) { return picture->finished(); });
         calm = loading && !moved;
     }
+}
+
+void ViewRenderer::drawFrames(Thread& thread)
+{
+    const bool loading = anyLoading(thread.clouds);
+    const auto wants = [&](const auto& picture) { return picture->wantsFrame(loading); };
+    auto waiting = std::count_if(thread.pictures.begin(), thread.pictures.end(), wants);
+    const bool all = waiting == 0;
+    const FrameShares shares(thread.budget);
+    for (const auto& picture : thread.pictures) {
+        if (picture->renderer && !picture->broken) {
+            const double seconds = shares.next(std::max<long>(waiting, 1));
+            if (wants(picture)) --waiting;
+            picture->attempt([&] { picture->renderNext(thread.clouds, seconds); });
+        }
+        settleFailures(thread);
+        if (picture->broken || !picture->renderer) picture->refuse();
+    }
+    // Nobody moves the view: whoever waits for a still gets all of the time.
+    if (!thread.stills.empty() && thread.stills.front()->draw(thread.clouds, all ? kStillFrame : thread.budget))
+        thread.stills.pop_front();
 }
 
 void ViewRenderer::settleFailures(Thread& thread)
@@ -478,7 +506,8 @@ void ViewRenderer::settleFailures(Thread& thread)
             useBackend(thread, render::BackendKind::Cpu);
             picture->dirty = true;
         } else {
-            announceFailure(sentence);
+            announceFailure(picture.get() == &thread.first() ? sentence
+                                                             : tr("The section is not drawn: %1").arg(sentence));
             picture->broken = true;
             picture->dirty = false;
         }

@@ -64,6 +64,7 @@ struct ViewWish {
     bool any() const { return size || camera || display; }
 };
 
+class Still;
 class ViewPicture;
 
 /// The render thread: owns the progressive renderer and its backend, and draws a frame whenever something changed
@@ -126,10 +127,9 @@ public:
     void pick(int x, int y, QObject* receiver, PickReply reply, int radius = kPickRadius);
     static constexpr int kPickRadius = 4;  ///< px
 
-    /// Called in the render thread, once the picture is finished (all points read and drawn); null when the view
-    /// ended before. `transparent`: without the background.
-    using CaptureDone = std::function<void(std::shared_ptr<const render::Image>)>;
-    void capture(bool transparent, CaptureDone done);
+    /// Draws a picture beside the view, once no cloud loads, while the view goes on; whoever waits for the still
+    /// gets it. Its attribute has to be the one on screen.
+    void draw(std::shared_ptr<Still> still);
 
     /// The newest picture; null before the first. Any thread.
     std::shared_ptr<const Frame> frame() const;
@@ -157,6 +157,8 @@ private:
     void useBackend(Thread& thread, render::BackendKind kind);
     void applyChoice(Thread& thread);
     void measureBackends(Thread& thread);
+    /// A frame of each view that wants one, in the time of one, and a bit of the still that waits.
+    void drawFrames(Thread& thread);
     ViewPicture& pictureOf(Thread& thread) const;
     std::unique_ptr<ViewPicture> makePicture();
     /// Makes current what the thread's OpenGL backend draws in; nothing where the processor draws.

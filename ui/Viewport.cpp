@@ -6,6 +6,7 @@
 #include "ui/MessageArea.h"
 #include "ui/Overlays.h"
 #include "ui/PivotMark.h"
+#include "ui/StartPage.h"
 #include "ui/Text.h"
 #include "ui/ViewNavigator.h"
 #include "ui/ViewSettings.h"
@@ -17,7 +18,6 @@
 #include <QKeyEvent>
 #include <QMimeData>
 #include <QMouseEvent>
-#include <QUrl>
 #include <QVariantAnimation>
 #include <QWheelEvent>
 
@@ -34,14 +34,6 @@ namespace
 
 constexpr int kFlightTime = 240;  // ms
 constexpr int kEdge = 12;         // px between overlays and the view's edge
-
-QStringList localFiles(const QMimeData& data)
-{
-    QStringList paths;
-    for (const QUrl& url : data.urls())
-        if (url.isLocalFile()) paths << url.toLocalFile();
-    return paths;
-}
 
 QString attributeOf(const QMimeData& data)
 {
@@ -61,7 +53,7 @@ Viewport::Viewport(ViewRenderer& renderer, ViewSettings& settings, bool openGl, 
       m_title(new TitleOverlay(this)),
       m_legend(new LegendOverlay(this)),
       m_compass(new CompassOverlay(this)),
-      m_empty(new EmptyPage(this)),
+      m_startPage(new StartPage(this)),
       m_dropHint(new DropHint(this)),
       m_messages(new MessageArea(this)),
       m_flight(new QVariantAnimation(this))
@@ -83,7 +75,6 @@ Viewport::Viewport(ViewRenderer& renderer, ViewSettings& settings, bool openGl, 
         ++m_userMoves;
         setCamera(camera, true);
     });
-    connect(m_empty, &EmptyPage::openRequested, this, &Viewport::openRequested);
     connect(m_messages, &MessageArea::resized, this, &Viewport::placeOverlays);
     connect(m_clipFrame, &ClipFrame::boxDragged, this, [this](const WorldBounds& box) {
         Clip clip = m_settings.display().clip;
@@ -278,38 +269,38 @@ void Viewport::requestHover()
 
 // -- dropping
 
+void Viewport::showDropHint(const QString& text)
+{
+    m_dropHint->setText(text);
+    m_dropHint->show();
+    m_dropHint->raise();
+}
+
+void Viewport::hideDropHint()
+{
+    m_dropHint->hide();
+}
+
 void Viewport::dragEnterEvent(QDragEnterEvent* event)
 {
     const QMimeData& mime = *event->mimeData();
-    if (mime.hasFormat(QLatin1String(kAttributeMimeType))) {
-        m_dropHint->setText(tr("Color by %1").arg(attributeOf(mime)));
-    } else if (const QStringList files = localFiles(mime); !files.isEmpty()) {
-        m_dropHint->setText(files.size() == 1 ? tr("Open %1").arg(QUrl::fromLocalFile(files.front()).fileName())
-                                              : tr("Open %1 files").arg(files.size()));
-    } else {
-        return;
-    }
-    m_dropHint->show();
-    m_dropHint->raise();
+    if (!mime.hasFormat(QLatin1String(kAttributeMimeType))) return;
+    showDropHint(tr("Color by %1").arg(attributeOf(mime)));
     event->acceptProposedAction();
 }
 
 void Viewport::dragLeaveEvent(QDragLeaveEvent* event)
 {
-    m_dropHint->hide();
+    hideDropHint();
     event->accept();
 }
 
 void Viewport::dropEvent(QDropEvent* event)
 {
-    m_dropHint->hide();
+    hideDropHint();
     const QMimeData& mime = *event->mimeData();
-    if (mime.hasFormat(QLatin1String(kAttributeMimeType)))
-        emit attributeDropped(attributeOf(mime));
-    else if (const QStringList files = localFiles(mime); !files.isEmpty())
-        emit filesDropped(files);
-    else
-        return;
+    if (!mime.hasFormat(QLatin1String(kAttributeMimeType))) return;
+    emit attributeDropped(attributeOf(mime));
     event->acceptProposedAction();
 }
 
@@ -344,11 +335,17 @@ void Viewport::sendSize()
         applyCamera(m_camera);
 }
 
-void Viewport::sendDisplay()
+render::DisplaySettings Viewport::displayFor(double scale) const
 {
     render::DisplaySettings display = m_settings.display();
-    display.pointSize *= m_pixelRatio;  // chosen in logical px
+    display.pointSize *= scale;  // chosen in logical px
     display.cuts = m_cuts;
+    return display;
+}
+
+void Viewport::sendDisplay()
+{
+    const render::DisplaySettings display = displayFor(m_pixelRatio);
     m_renderer.setDisplay(display);
     m_clipFrame->setBox(display.clip.box);
     updateLegend();
@@ -373,7 +370,7 @@ void Viewport::setDocument(Document* document, int documents)
         connect(document, &Document::figuresChanged, this, &Viewport::updateLegend);
         connect(document, &Document::classCountsChanged, this, &Viewport::updateLegend);
     }
-    m_empty->setVisible(documents == 0 && !m_flat);
+    m_startPage->setVisible(documents == 0 && !m_flat);
     m_compass->setVisible(documents > 0 && !m_flat);
     updateTitle();
     updateLegend();
@@ -414,7 +411,7 @@ void Viewport::placeOverlays()
 {
     m_surface->widget().setGeometry(rect());
     m_clipFrame->setGeometry(rect());
-    m_empty->setGeometry(rect());
+    m_startPage->setGeometry(rect());
     m_dropHint->setGeometry(rect());
     m_title->move(kEdge, kEdge);
     int bottom = m_title->geometry().bottom();

@@ -19,7 +19,7 @@ class ClipFrame;
 class CompassOverlay;
 class Document;
 class DropHint;
-class EmptyPage;
+class StartPage;
 class LegendOverlay;
 class MessageArea;
 class PivotMark;
@@ -49,6 +49,8 @@ public:
     /// Planes that cut this view alone, beside the settings' clip.
     void setCuts(std::vector<ClipPlane> cuts);
     const std::vector<ClipPlane>& cuts() const noexcept { return m_cuts; }
+    /// What it shows, with `scale` px of the picture for each logical px.
+    render::DisplaySettings displayFor(double scale) const;
     /// Whether the cuts let a place be seen.
     bool keeps(const glm::dvec3& world) const noexcept;
 
@@ -87,6 +89,10 @@ public:
     ClipFrame& clipFrame() noexcept { return *m_clipFrame; }
     const LegendOverlay& legend() const noexcept { return *m_legend; }
     const DropHint& dropHint() const noexcept { return *m_dropHint; }
+    /// Says over the whole view what dropping would do.
+    void showDropHint(const QString& text);
+    void hideDropHint();
+    StartPage& startPage() noexcept { return *m_startPage; }
     bool usesOpenGl() const;
     /// Size of the picture in px: logical size times the screen's ratio.
     QSize pictureSize() const;
@@ -96,9 +102,7 @@ public:
     glm::dvec2 toPicture(QPointF position) const;
 
 signals:
-    void filesDropped(const QStringList& paths);
     void attributeDropped(const QString& name);
-    void openRequested();
     /// What is under the cursor; nothing when that is background or the mouse left.
     void hovered(const std::optional<punctum::ui::PickedPoint>& point);
     void cameraChanged();
@@ -140,7 +144,7 @@ private:
     QWidget* m_underTitle = nullptr;
     LegendOverlay* m_legend = nullptr;
     CompassOverlay* m_compass = nullptr;
-    EmptyPage* m_empty = nullptr;
+    StartPage* m_startPage = nullptr;
     DropHint* m_dropHint = nullptr;
     MessageArea* m_messages = nullptr;
     QVariantAnimation* m_flight = nullptr;

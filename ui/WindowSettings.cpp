@@ -46,6 +46,7 @@ const QString kColorMap = QStringLiteral("view/colorMap");
 const QString kBackground = QStringLiteral("view/background");
 const QString kSectionWidth = QStringLiteral("section/width_%1");
 const QString kSectionBeside = QStringLiteral("section/beside");
+const QString kScreenshot = QStringLiteral("screenshot/%1");
 const QString kUndoMemory = QStringLiteral("edit/undoMemory");  // MiB
 const QString kRecent = QStringLiteral("files/recent");
 const QString kFolder = QStringLiteral("files/folder");
@@ -90,13 +91,14 @@ void WindowSettings::set(const QString& key, const QVariant& value)
         write();
 }
 
-void WindowSettings::restore(QMainWindow& window, ViewSettings& view) const
+bool WindowSettings::restore(QMainWindow& window, ViewSettings& view) const
 {
     const QSize room = window.screen() ? window.screen()->availableSize() : QSize(1400, 900);
     window.resize(std::min(1480, room.width() * 9 / 10), std::min(920, room.height() * 9 / 10));
     window.restoreGeometry(m_values.value(kGeometry).toByteArray());
-    window.restoreState(m_values.value(kLayout).toByteArray(), kLayoutVersion);
+    const bool arranged = window.restoreState(m_values.value(kLayout).toByteArray(), kLayoutVersion);
     restoreView(view);
+    return arranged;
 }
 
 void WindowSettings::restoreView(ViewSettings& view) const
@@ -188,13 +190,16 @@ QStringList WindowSettings::recentFiles() const
     return m_values.value(kRecent).toStringList();
 }
 
-void WindowSettings::addRecentFile(const QString& path)
+void WindowSettings::addRecentFiles(const QStringList& paths)
 {
+    if (paths.isEmpty()) return;
     QStringList recent = recentFiles();
-    recent.removeAll(path);
-    recent.prepend(path);
+    for (const QString& path : paths) {
+        recent.removeAll(path);
+        recent.prepend(path);
+    }
     set(kRecent, recent.mid(0, kRecentFiles));
-    setFolder(QFileInfo(path).path());
+    setFolder(QFileInfo(paths.back()).path());
 }
 
 void WindowSettings::clearRecentFiles()
@@ -220,6 +225,38 @@ bool WindowSettings::sectionBeside() const
 void WindowSettings::setSectionBeside(bool beside)
 {
     set(kSectionBeside, beside);
+}
+
+ScreenshotOptions WindowSettings::screenshot() const
+{
+    const ScreenshotOptions fresh{
+        .legend = true, .scaleBar = true, .northArrow = true, .measurements = true, .ruler = true};
+    const auto read = [this](const char* key, bool otherwise) {
+        return m_values.value(kScreenshot.arg(QLatin1String(key)), otherwise).toBool();
+    };
+    ScreenshotOptions options;
+    options.samples = m_values.value(kScreenshot.arg(QLatin1String("samples")), fresh.samples).toInt();
+    options.transparent = read("transparent", fresh.transparent);
+    options.legend = read("legend", fresh.legend);
+    options.scaleBar = read("scaleBar", fresh.scaleBar);
+    options.northArrow = read("northArrow", fresh.northArrow);
+    options.measurements = read("measurements", fresh.measurements);
+    options.ruler = read("ruler", fresh.ruler);
+    return options;
+}
+
+void WindowSettings::setScreenshot(const ScreenshotOptions& options)
+{
+    const auto write = [this](const char* key, const QVariant& value) {
+        set(kScreenshot.arg(QLatin1String(key)), value);
+    };
+    write("samples", options.samples);
+    write("transparent", options.transparent);
+    write("legend", options.legend);
+    write("scaleBar", options.scaleBar);
+    write("northArrow", options.northArrow);
+    write("measurements", options.measurements);
+    write("ruler", options.ruler);
 }
 
 QString WindowSettings::folder() const

@@ -3,6 +3,7 @@
 
 #include "core/edit/HistoryRoom.h"
 #include "ui/ViewRenderer.h"
+#include "ui/screenshot/ScreenshotOptions.h"
 #include "ui/style/Theme.h"
 
 #include <QString>
@@ -34,7 +35,8 @@ public:
     /// `file`: an .ini file; empty: the user's own settings.
     explicit WindowSettings(const QString& file, RunInBackground inBackground = {});
 
-    void restore(QMainWindow& window, ViewSettings& view) const;
+    /// False: there is no layout of panels to restore.
+    bool restore(QMainWindow& window, ViewSettings& view) const;
     /// How points are shown, alone.
     void restoreView(ViewSettings& view) const;
     void store(const QMainWindow& window, const ViewSettings& view);
@@ -52,7 +54,8 @@ public:
 
     /// Newest first.
     QStringList recentFiles() const;
-    void addRecentFile(const QString& path);
+    /// Files or folders, the newest last.
+    void addRecentFiles(const QStringList& paths);
     void clearRecentFiles();
     /// Chosen last in files with this unit of length (Document::lengthUnit()); 0: none was chosen yet.
     double sectionWidth(const QString& unit) const;
@@ -60,6 +63,9 @@ public:
     /// Sections open beside the main view instead of below it.
     bool sectionBeside() const;
     void setSectionBeside(bool beside);
+    /// How pictures were saved last; without view and size.
+    ScreenshotOptions screenshot() const;
+    void setScreenshot(const ScreenshotOptions& options);
     /// Where dialogs begin.
     QString folder() const;
     void setFolder(const QString& folder);

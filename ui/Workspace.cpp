@@ -8,15 +8,15 @@
 #include "core/measure/Spacing.h"
 #include "core/process/MakeCommand.h"
 #include "core/task/Progress.h"
-#include "render/raster/PointIds.h"
-#include "render/store/CloudLoad.h"
+#include "render/store/PointStore.h"
 #include "ui/BackgroundPriority.h"
+#include "ui/Distinctions.h"
+#include "ui/Openings.h"
 #include "ui/Recovery.h"
 #include "ui/Saves.h"
 #include "ui/Text.h"
 
 #include <QDir>
-#include <QFileInfo>
 
 #include <algorithm>
 #include <chrono>
@@ -32,11 +32,6 @@ namespace
 /// More values than that have no place in a legend.
 constexpr std::size_t kListedValues = 64;
 
-QString fileNameOf(const QString& path)
-{
-    return QFileInfo(path).fileName();
-}
-
 std::vector<std::string> attributeNames(const PointCloud& cloud)
 {
     const std::shared_lock lock(cloud.mutex());
@@ -47,23 +42,20 @@ std::vector<std::string> attributeNames(const PointCloud& cloud)
 
 }  // namespace
 
-/// One file on its way in.
-struct Workspace::Opening {
-    QString path;
-    JobId job = 0;
-    std::shared_ptr<OpenCloud> data;
-    las::ReadResult result;
-    QPointer<Document> document;  ///< GUI thread only
-};
-
 Workspace::Workspace(HistoryRoom room, QObject* parent)
     : QObject(parent),
       m_room(std::move(room)),
       m_recovery(std::make_unique<Recovery>(*this, m_room.folder)),
       m_jobs(std::make_unique<Jobs>()),
+      m_openings(std::make_unique<Openings>(*this)),
       m_saves(std::make_unique<Saves>(*this))
 {
-    connect(m_saves.get(), &Saves::saved, this, &Workspace::saved);
+    m_names.setSingleShot(true);
+    connect(&m_names, &QTimer::timeout, this, &Workspace::distinguish);
+    connect(m_saves.get(), &Saves::saved, this, [this](Document* document) {
+        m_names.start();
+        emit saved(document);
+    });
 }
 
 Workspace::~Workspace()
@@ -76,14 +68,15 @@ Workspace::~Workspace()
     qDeleteAll(m_documents);
 }
 
-JobId Workspace::startJob(const QString& title, Jobs::Work work, Ended ended, bool quiet)
+JobId Workspace::startJob(const QString& title, Jobs::Work work, Ended ended, bool quiet, JobTurn turn)
 {
     auto inBackground = [work = std::move(work)](Progress& progress) {
         const BackgroundPriority priority;
         work(progress);
     };
     const JobId id = m_jobs->start(
-        title.toStdString(), std::move(inBackground), [this, ended = std::move(ended)](const JobInfo& info) {
+        title.toStdString(), std::move(inBackground),
+        [this, ended = std::move(ended)](const JobInfo& info) {
             QMetaObject::invokeMethod(
                 this,
                 [this, ended, info] {
@@ -97,7 +90,8 @@ JobId Workspace::startJob(const QString& title, Jobs::Work work, Ended ended, bo
                     --m_unended;
                 },
                 Qt::QueuedConnection);
-        });
+        },
+        turn);
     ++m_unended;
     emit jobStarted(id, title, quiet);
     return id;
@@ -119,57 +113,25 @@ Document* Workspace::find(const PointCloud* cloud) const
 
 // -- opening
 
-void Workspace::open(const QString& path)
+bool Workspace::opening() const noexcept
 {
-    const QString absolute = QDir::cleanPath(QDir::current().absoluteFilePath(path));
-    for (Document* document : m_documents)
-        if (document->path() == absolute) {
-            setActive(document);
-            return;
-        }
-    for (const auto& other : m_opening)
-        if (other->path == absolute) return;
-
-    auto opening = std::make_shared<Opening>();
-    opening->path = absolute;
-    m_opening.push_back(opening);
-    opening->job = startJob(
-        tr("Open %1").arg(fileNameOf(absolute)),
-        [this, opening, order = m_order, room = m_room](Progress& progress) {
-            progress.begin("Reading the header", 1);
-            const std::filesystem::path place = findPath(opening->path);
-            const render::CloudLoad load(place, order);
-            progress.check();
-            auto data = std::make_shared<OpenCloud>();
-            data->path = place;
-            data->source = load.source();
-            data->cloud = load.cloud();
-            data->store = load.store();
-            data->history = std::make_shared<History>(data->cloud, room);
-            opening->data = data;
-            QMetaObject::invokeMethod(
-                this, [this, opening] { documentReady(opening); }, Qt::QueuedConnection);
-            opening->result = load.read(progress);
-        },
-        [this, opening](const JobInfo& info) { openingEnded(opening, info); });
+    return m_openings->any();
 }
 
-void Workspace::documentReady(const std::shared_ptr<Opening>& opening)
+void Workspace::open(const QStringList& paths, const QString& origin)
 {
-    render::PointIds ids;
-    try {
-        for (const Document* open : m_documents) ids.take(open->data()->store->slotCount());
-        ids.take(opening->data->store->slotCount());
-    } catch (const Error& e) {
-        m_jobs->cancel(opening->job);
-        say(MessageKind::Error,
-            tr("%1 was not opened: %2").arg(fileNameOf(opening->path), toQString(std::string(e.what()))));
-        return;
-    }
-    auto* document = new Document(opening->data, this);
-    opening->document = document;
+    QStringList wanted;
+    for (const QString& path : paths) wanted << QDir::cleanPath(QDir::current().absoluteFilePath(path));
+    if (wanted.size() == 1)
+        for (Document* document : m_documents)
+            if (document->path() == wanted.front()) setActive(document);
+    m_openings->open(wanted, origin);
+}
+
+Document& Workspace::take(std::shared_ptr<OpenCloud> data)
+{
+    auto* document = new Document(std::move(data), this);
     m_documents.push_back(document);
-    tie(*document, opening->job);
     Watch& watch = m_watches[document];
     watch.subscription = document->cloud()->subscribe(
         [this, target = QPointer<Document>(document),
@@ -190,42 +152,34 @@ void Workspace::documentReady(const std::shared_ptr<Opening>& opening)
                 Qt::QueuedConnection);
         });
     connect(document, &Document::stateChanged, this, [this, document] { emit documentStateChanged(document); });
+    m_names.start();
     emit documentAdded(document);
-    setActive(document);
+    return *document;
 }
 
-void Workspace::openingEnded(const std::shared_ptr<Opening>& opening, const JobInfo& info)
+void Workspace::distinguish()
 {
-    std::erase(m_opening, opening);
-    Document* document = opening->document;
-    const bool wanted =
-        document && std::find(m_documents.begin(), m_documents.end(), document) != m_documents.end();
-    if (info.state != JobState::Finished) {
-        if (wanted) remove(*document, true);
-        if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
-        return;
+    std::map<QString, std::vector<Document*>> byName;
+    for (Document* document : m_documents) byName[document->fileName()].push_back(document);
+    for (const auto& [name, documents] : byName) {
+        QStringList paths;
+        for (const Document* document : documents) paths << document->path();
+        const QStringList parts = documents.size() > 1 ? distinctionsOf(paths) : QStringList({QString()});
+        for (std::size_t k = 0; k < documents.size(); ++k) documents[k]->setDistinction(parts[qsizetype(k)]);
     }
-    if (!wanted) return;  // closed while its last points arrived
-    document->setLoaded(opening->result);
-    emit documentLoaded(document);
-    const QStringList& warnings = document->warnings();
-    if (document->recovered()) {
-        const QStringList& losses = document->losses();
-        say(MessageKind::Warning,
-            (losses.size() == 1 ? tr("%1 is damaged: %2").arg(document->name(), losses.front())
-                                : tr("%1 is damaged in %2 ways; the File panel lists them.")
-                                      .arg(document->name())
-                                      .arg(losses.size())) +
-                tr(" What could be read is open; it can be saved under another name."),
-            losses.size() == 1 ? QString() : losses.join(QLatin1Char('\n')), document);
-    } else if (warnings.size() == 1)
-        say(MessageKind::Warning, tr("%1: %2").arg(document->name(), warnings.front()), {}, document);
-    else if (!warnings.isEmpty())
-        say(MessageKind::Warning,
-            tr("%1 opened with %2 warnings; the File panel lists them.").arg(document->name()).arg(warnings.size()),
-            {}, document);
-    analyze(*document, {});
-    m_recovery->look(*document);
+}
+
+void Workspace::finishLoading(Document& document, const las::ReadResult& result)
+{
+    document.setLoaded(result);
+    emit documentLoaded(&document);
+    analyze(document, {});
+    m_recovery->look(document);
+}
+
+void Workspace::dropUnread(Document& document)
+{
+    remove(document, true);
 }
 
 void Workspace::close(Document& document)
@@ -244,6 +198,7 @@ void Workspace::remove(Document& document, bool openingFailed)
     m_saves->forget(document);
     const auto index = found - m_documents.begin();
     m_documents.erase(found);
+    m_names.start();
     if (m_active == &document) {
         m_active = nullptr;
         if (!m_documents.empty()) m_active = m_documents[std::min(std::size_t(index), m_documents.size() - 1)];
@@ -352,7 +307,7 @@ void Workspace::analyze(Document& document, const QStringList& names)
             const QStringList pending = std::exchange(found->second.pendingAnalysis, {});
             if (!pending.isEmpty()) analyze(*target, pending);
         },
-        true);
+        true, names.isEmpty() ? JobTurn::Idle : JobTurn::AtOnce);
     tie(document, watch.analysis);
 }
 

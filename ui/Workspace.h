@@ -11,6 +11,7 @@
 
 #include <QObject>
 #include <QPointer>
+#include <QTimer>
 
 #include <functional>
 #include <map>
@@ -21,6 +22,7 @@
 namespace punctum::ui
 {
 
+class Openings;
 class Recovery;
 class Saves;
 
@@ -48,14 +50,17 @@ public:
     void setActive(Document* document);
     Document* find(const PointCloud* cloud) const;
 
-    /// Reads the file; the document is there as soon as header and columns are, and fills meanwhile. A file that
-    /// cannot be read is one message, and nothing else changes. A file that is open already becomes active.
-    void open(const QString& path);
+    /// Reads these files, a few at a time; each document is there as soon as header and columns are, and fills
+    /// meanwhile. The first of them becomes active. A file that cannot be read is one message, and nothing else
+    /// changes. One that is open already is left as it is, and becomes active if it is asked for alone.
+    /// `origin`: the folder that they were found in, if it was that which the user opened.
+    void open(const QStringList& paths, const QString& origin = {});
+    void open(const QString& path) { open(QStringList(path)); }
     /// In which the points of files that are opened from now on are drawn.
     void setOrder(render::OrderKind order) noexcept { m_order = order; }
     render::OrderKind order() const noexcept { return m_order; }
     /// Files whose opening has begun and that are not documents yet, or still loading.
-    bool opening() const noexcept { return !m_opening.empty(); }
+    bool opening() const noexcept;
     /// Without asking; a job that works on it is cancelled.
     void close(Document& document);
     /// Asked before a save that would leave something out or upgrade it: `what` says what, and `answer` is to be
@@ -91,7 +96,8 @@ public:
 
     /// Any other long work. `ended` is called in the GUI thread, and tells why it failed; where there is none, that
     /// is told here. Quiet jobs leave the list at once.
-    JobId startJob(const QString& title, Jobs::Work work, Ended ended = {}, bool quiet = false);
+    JobId startJob(const QString& title, Jobs::Work work, Ended ended = {}, bool quiet = false,
+                   JobTurn turn = JobTurn::AtOnce);
     /// The job is cancelled when the document is closed.
     void tie(Document& document, JobId job) { m_documentJobs.emplace(&document, job); }
     void cancel(JobId id) { m_jobs->cancel(id); }
@@ -125,9 +131,13 @@ signals:
     void saved(punctum::ui::Document* document);
 
 private:
-    struct Opening;
-    void documentReady(const std::shared_ptr<Opening>& opening);
-    void openingEnded(const std::shared_ptr<Opening>& opening, const JobInfo& info);
+    friend class Openings;
+    /// A document of it, which fills from now on.
+    Document& take(std::shared_ptr<OpenCloud> data);
+    void finishLoading(Document& document, const las::ReadResult& result);
+    void dropUnread(Document& document);
+    const HistoryRoom& room() const noexcept { return m_room; }
+    void distinguish();
     void remove(Document& document, bool openingFailed);
     /// What of the cloud a notice makes out of date, as it is after the change.
     struct After {
@@ -148,13 +158,14 @@ private:
     HistoryRoom m_room;
     std::unique_ptr<Recovery> m_recovery;  ///< outlives the jobs
     std::unique_ptr<Jobs> m_jobs;
+    std::unique_ptr<Openings> m_openings;
     std::unique_ptr<Saves> m_saves;
     std::vector<Document*> m_documents;
     std::map<Document*, Watch> m_watches;
-    std::vector<std::shared_ptr<Opening>> m_opening;
     std::multimap<Document*, JobId> m_documentJobs;
     Document* m_active = nullptr;
     std::size_t m_unended = 0;
+    QTimer m_names;  ///< documents have come or gone since names were told apart
     render::OrderKind m_order = render::OrderKind::Stratified;
 };
 

@@ -3,6 +3,7 @@
 #include "app/CameraFile.h"
 #include "app/Console.h"
 #include "app/Files.h"
+#include "app/Marks.h"
 #include "app/Picture.h"
 #include "app/Renderer.h"
 #include "app/commands/Command.h"
@@ -53,6 +54,7 @@ struct RenderOptions {
     std::string section;
     double sectionWidth = 1.0;
     double exaggeration = 1.0;
+    MarkOptions marks;
     bool bruteForce = false;
     bool json = false;
 };
@@ -271,7 +273,8 @@ void runRender(const RenderRequest& request, Progress& progress)
     if (!options.camera.empty()) camera = readCamera(options.camera, camera, shown, size);
     renderer.setCamera(camera);
 
-    const Picture picture = drawPicture(renderer, width, height, options.bruteForce, progress);
+    Picture picture = drawPicture(renderer, width, height, options.bruteForce, progress);
+    drawMarks(picture.image, options.marks, clouds, visibility, renderer, section, progress);
     writePng(picture.image, options.out);
 
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
@@ -419,6 +422,7 @@ void addRender(CLI::App& root, Action& action)
         ->type_name("N")
         ->check(CLI::Range(0.1, 100.0))
         ->needs(section);
+    addMarkOptions(command, options->marks, *section);
     addBackendOption(command, options->backend);
     command
         .add_option("--background", options->background,

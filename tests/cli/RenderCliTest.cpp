@@ -73,6 +73,34 @@ private slots:
         QVERIFY(colors.size() > 500);
     }
 
+    /// Marks lie in their corners, and grow with the picture unless they are told otherwise.
+    void drawsMarks()
+    {
+        const QImage plain = render("unmarked.png", {"--attribute", "Classification"});
+        QVERIFY(!plain.isNull());
+        const auto differing = [&](const QImage& other, const QRect& part) {
+            int unlike = 0;
+            for (int y = part.top(); y <= part.bottom(); ++y)
+                for (int x = part.left(); x <= part.right(); ++x) unlike += plain.pixel(x, y) != other.pixel(x, y);
+            return double(unlike) / (part.width() * part.height());
+        };
+        const QRect left(0, 330, 240, 70), right(400, 320, 240, 80), top(0, 0, 640, 100);
+        const QImage bar = render("bar.png", {"--attribute", "Classification", "--scale-bar", "--north-arrow"});
+        QCOMPARE(bar.size(), plain.size());
+        QVERIFY(differing(bar, left) > 0.2);
+        QCOMPARE(differing(bar, right), 0.0);
+        const QImage legend = render("legend.png", {"--attribute", "Classification", "--legend"});
+        QCOMPARE(differing(legend, left), 0.0);
+        QVERIFY(differing(legend, right) > 0.4);
+        const QImage small =
+            render("small.png", {"--attribute", "Classification", "--legend", "--mark-scale", "0.5"});
+        QVERIFY(differing(small, right) < differing(legend, right));
+        QVERIFY(differing(small, right) > 0.05);
+        QCOMPARE(differing(legend, top), 0.0);
+        const Outcome wrong = runPunctum({"render", path("in.las"), "-o", path("wrong.png"), "--ruler"});
+        QCOMPARE(wrong.exitCode, 2);
+    }
+
     void fillsThePictureWithTheCloud()
     {
         const QImage picture = render("plain.png", {"--samples", "1"});

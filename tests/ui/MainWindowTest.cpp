@@ -578,29 +578,6 @@ private slots:
         QCOMPARE(asked.size(), 12);
     }
 
-    void screenshotIsTheFinishedPicture()
-    {
-        TestWindow test;
-        QVERIFY(test.open(surveyFile()));
-        const QString path = test.folder.filePath(QStringLiteral("shot.png"));
-        test.window->exportScreenshotTo(path);
-        QVERIFY(test.settle());
-        const QImage shot(path);
-        const auto frame = test.frame();
-        QCOMPARE(shot.size(), QSize(frame->image.width, frame->image.height));
-        const QImage shown(reinterpret_cast<const uchar*>(frame->image.pixels.data()), frame->image.width,
-                           frame->image.height, QImage::Format_RGBA8888);
-        QCOMPARE(shot.convertToFormat(QImage::Format_RGBA8888), shown);
-
-        test.window->setTransparentScreenshots(true);
-        test.window->exportScreenshotTo(path);
-        QVERIFY(test.settle());
-        const QImage bare(path);
-        QVERIFY(bare.hasAlphaChannel());
-        QCOMPARE(qAlpha(bare.pixel(0, 0)), 0);
-        QCOMPARE(difference(frame->image, test.frame()->image), 0.0);
-    }
-
     void closingAsksOnce()
     {
         TestWindow test;

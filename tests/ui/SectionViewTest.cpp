@@ -2,10 +2,12 @@
 // The section view by real mouse and key events, against plain loops over all points of a real file.
 #include "SelectBench.h"
 
+#include "render/store/PointStore.h"
 #include "ui/ClipFrame.h"
 #include "ui/ViewSettings.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
+#include "ui/screenshot/Screenshots.h"
 #include "ui/section/SectionOverlays.h"
 #include "ui/section/SectionPane.h"
 #include "ui/section/SectionTool.h"
@@ -533,10 +535,26 @@ private slots:
         const QString path = b.folder.filePath(QStringLiteral("shot.png"));
         for (Viewport* view : {&b.sections().viewport(), &b.window->viewport()}) {
             view->setFocus();
-            b.window->exportScreenshotTo(path);
+            Screenshots& screenshots = b.window->screenshots();
+            screenshots.save(path, screenshots.preset());
             QVERIFY(b.settled());
             QCOMPARE(QImage(path).size(), view->pictureSize());
         }
+    }
+
+    /// A shape that is finished counts, though the section closes at once and another file is still being read.
+    void aFinishedShapeOutlivesItsSection()
+    {
+        SectionBench b;
+        QVERIFY(b.beginSection());
+        const auto endless = std::make_shared<PointCloud>(1000);
+        b.window->renderer().addCloud(
+            std::make_shared<render::PointStore>(endless, RawBounds{{0, 0, 0}, {1, 1, 1}}));
+        b.key(Qt::Key_R);
+        b.drag(b.at(0.1, 0.1), b.at(0.9, 0.9));
+        b.sections().close();
+        QVERIFY(waitFor([&] { return b.window->selection().count() > 0; }, 20000));
+        b.window->renderer().removeCloud(endless);
     }
 
     void followsItsFileAndRemembersItsWidth()

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The parts of ui that need no window: navigation, texts, icons.
+#include "ui/FrameShares.h"
 #include "ui/Navigation.h"
 #include "ui/Numbers.h"
 #include "ui/Text.h"
@@ -309,6 +310,18 @@ private slots:
         QCOMPARE(roundLength(20.0), 20.0);
         QCOMPARE(roundLength(0.0), 0.0);
         QCOMPARE(roundLength(-1.0), 0.0);
+    }
+    /// Views have the time of one frame together, whoever needs more or less of it.
+    void viewsShareAFrame()
+    {
+        using std::chrono::milliseconds;
+        const auto begun = FrameShares::Clock::now();
+        const FrameShares shares(0.016);
+        const auto after = [&](int ms) { return begun + milliseconds(ms); };
+        QVERIFY(std::abs(shares.next(2, after(0)) - 0.008) < 0.001);
+        QVERIFY(std::abs(shares.next(1, after(4)) - 0.012) < 0.001);   // the first was quick
+        QVERIFY(std::abs(shares.next(1, after(13)) - 0.003) < 0.001);  // it took longer than its share
+        QCOMPARE(shares.next(1, after(30)), 0.0);
     }
     void iconsCanBeRead()
     {

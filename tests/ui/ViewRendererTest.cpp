@@ -2,8 +2,10 @@
 #include "ui/ViewRenderer.h"
 
 #include "core/Error.h"
+#include "core/task/Progress.h"
 #include "render/gl/EglContext.h"
 #include "tests/render/SyntheticCloud.h"
+#include "ui/Still.h"
 
 #include <QSignalSpy>
 #include <QtTest>
@@ -24,6 +26,7 @@ private Q_SLOTS:
     void theCpuGoesOnWhenOpenGlFails();
     void viewsBesideEachOther_data();
     void viewsBesideEachOther();
+    void stillsBesideTheView();
 
 private:
     bool m_haveGl = false;
@@ -250,9 +253,60 @@ void ViewRendererTest::viewsBesideEachOther()
     const BackendKind drawsWith = view.kind();
     other.setSize(100'000, 100'000);
     QTRY_COMPARE(view.failures.size(), 1);
+    QVERIFY(view.failures.front().front().toString().startsWith(QStringLiteral("The section is not drawn: ")));
     QCOMPARE(view.kind(), drawsWith);
     other.setSize(300, 200);
     QCOMPARE(both("after a failure"), QByteArray());
+}
+
+/// A still is the picture that the view would show, drawn beside it; it follows edits, and is refused where it
+/// would be half of one thing and half of another.
+void ViewRendererTest::stillsBesideTheView()
+{
+    View view(BackendKind::Cpu);
+    render::DisplaySettings display;
+    display.attribute = "Classification";
+    view.renderer.setDisplay(display);
+    const auto shows = [&] {
+        return view.shows(400) && view.renderer.frame()->attribute == QStringLiteral("Classification");
+    };
+    QTRY_VERIFY(shows());
+    const auto shown = view.renderer.frame();
+    const auto still = [&](int width, int height) {
+        auto made = std::make_shared<Still>(StillRequest{width, height, shown->camera, display});
+        view.renderer.draw(made);
+        return made;
+    };
+    Progress progress;
+    const StillPicture same = still(400, 300)->wait(progress);
+    QVERIFY(same.image == shown->image);
+    QCOMPARE(same.attribute, shown->attribute);
+    QCOMPARE(view.renderer.frame()->number, shown->number);  // the view has drawn nothing for it
+
+    // Points are hidden while it is drawn: none of them is in it.
+    const auto large = still(4000, 3000);
+    const auto all = std::make_shared<PointSet>(view.cloud->size());
+    all->invert();
+    view.renderer.hide(view.cloud, all);
+    const StillPicture empty = large->wait(progress);
+    QCOMPARE(empty.image.width, 4000);
+    const render::Rgba8 corner = empty.image.pixels.front();
+    QVERIFY(std::all_of(empty.image.pixels.begin(), empty.image.pixels.begin() + 4000,
+                        [&](render::Rgba8 c) { return c == corner; }));
+    QVERIFY(empty.image.pixels[std::size_t(1500) * 4000 + 2000] != same.image.pixels[std::size_t(150) * 400 + 200]);
+    view.renderer.hide(view.cloud, nullptr);
+    QTRY_VERIFY(view.renderer.frame()->image == shown->image);
+
+    // Two wait for their turn: one is cancelled, the other refused since the stores show another attribute now.
+    const auto first = still(6000, 6000), second = still(6000, 6000);
+    Progress cancelled;
+    cancelled.cancel();
+    QVERIFY_EXCEPTION_THROWN(first->wait(cancelled), Cancelled);
+    display.attribute = "Z";
+    view.renderer.setDisplay(display);
+    QVERIFY_EXCEPTION_THROWN(second->wait(progress), Error);
+    QTRY_COMPARE(view.renderer.frame()->attribute, QStringLiteral("Z"));
+    QVERIFY(view.failures.isEmpty());
 }
 
 QTEST_GUILESS_MAIN(ViewRendererTest)

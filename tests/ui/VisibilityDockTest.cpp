@@ -6,6 +6,7 @@
 #include "ui/ClipFrame.h"
 #include "ui/ShownCount.h"
 #include "ui/ShownPill.h"
+#include "ui/Still.h"
 #include "ui/Text.h"
 #include "ui/ViewFilter.h"
 #include "ui/ViewSettings.h"
@@ -23,8 +24,6 @@
 #include <QPushButton>
 #include <QStatusBar>
 #include <QWindow>
-
-#include <atomic>
 
 using namespace punctum;
 using namespace punctum::ui;
@@ -311,13 +310,15 @@ private slots:
         QCOMPARE(test.hidden(), expected);
         // What the settings of now come to, and no older picture.
         const auto picture = [&] {
-            std::atomic<bool> there = false;
+            const QSize size = view.pictureSize();
+            const auto still = std::make_shared<Still>(
+                StillRequest{size.width(), size.height(), view.camera(), view.displayFor(view.pixelRatio())});
+            test.window->renderer().draw(still);
             std::shared_ptr<const render::Image> image;
-            test.window->renderer().capture(false, [&](std::shared_ptr<const render::Image> taken) {
-                image = std::move(taken);
-                there = true;
+            test.window->workspace().startJob(QStringLiteral("Picture"), [&, still](Progress& progress) {
+                image = std::make_shared<render::Image>(still->wait(progress).image);
             });
-            return waitFor([&] { return there.load(); }) ? image : nullptr;
+            return waitFor([&] { return !test.window->workspace().busy(); }) ? image : nullptr;
         };
         const auto cut = picture();
         QVERIFY(cut);

@@ -50,6 +50,11 @@ public:
         else if (option.state & (QStyle::State_Selected | QStyle::State_MouseOver))
             painter->setBrush(colors.hover);
         if (painter->brush() != Qt::NoBrush) painter->drawRoundedRect(plate, 6, 6);
+        if (option.state & QStyle::State_HasFocus) {
+            painter->setPen(QPen(colors.accent, 1.2));
+            painter->setBrush(Qt::NoBrush);
+            painter->drawRoundedRect(plate.adjusted(0.6, 0.6, -0.6, -0.6), 6, 6);
+        }
 
         const QColor text = enabled ? colors.text : colors.dim;
         const QRect icon(option.rect.left() + 14, option.rect.center().y() - 9, 19, 19);
@@ -76,6 +81,9 @@ public:
 private:
     static constexpr double kDetail = 0.88;  // of the name's size
 };
+
+constexpr std::size_t kManyFiles = 50;
+constexpr int kFilesPause = 250;  // ms
 
 }  // namespace
 
@@ -149,14 +157,25 @@ AttributesDock::AttributesDock(Workspace& workspace, ViewSettings& settings, QWi
             emit attributeChosen(index.data(AttributesModel::NameRole).toString());
     });
     connect(m_actions, &AttributeActions::shownRenamed, this, &AttributesDock::attributeChosen);
+    // Long names are cut off here instead of making the panel wide, and a thousand of them are not measured.
+    m_files->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+    m_files->setMinimumContentsLength(12);
     connect(m_files, &QComboBox::activated, this, [this](int row) {
-        const auto& documents = m_workspace.documents();
-        if (row >= 0 && std::size_t(row) < documents.size()) m_workspace.setActive(documents[std::size_t(row)]);
+        const QVariant chosen = m_files->itemData(row);
+        for (Document* document : m_workspace.documents())
+            if (QVariant::fromValue(quintptr(document)) == chosen) return m_workspace.setActive(document);
     });
+    // Files come and change by the hundred: the list is filled once for all that happen together.
+    m_filesTimer.setSingleShot(true);
+    connect(&m_filesTimer, &QTimer::timeout, this, &AttributesDock::updateFiles);
+    const auto updateSoon = [this] {
+        if (!m_filesTimer.isActive())
+            m_filesTimer.start(m_workspace.documents().size() < kManyFiles ? 0 : kFilesPause);
+    };
     for (const auto signal :
          {&Workspace::documentAdded, &Workspace::activeChanged, &Workspace::documentStateChanged})
-        connect(&m_workspace, signal, this, &AttributesDock::updateFiles);
-    connect(&m_workspace, &Workspace::documentRemoved, this, &AttributesDock::updateFiles);
+        connect(&m_workspace, signal, this, updateSoon);
+    connect(&m_workspace, &Workspace::documentRemoved, this, updateSoon);
 
     auto* content = new QWidget;
     auto* column = new QVBoxLayout(content);
@@ -174,8 +193,11 @@ void AttributesDock::updateFiles()
     const auto& documents = m_workspace.documents();
     const QSignalBlocker quiet(m_files);
     m_files->clear();
-    for (const Document* document : documents)
-        m_files->addItem(document->name() + (document->modified() ? QStringLiteral(" *") : QString()));
+    for (const Document* document : documents) {
+        m_files->addItem(document->name() + (document->modified() ? QStringLiteral(" *") : QString()),
+                         QVariant::fromValue(quintptr(document)));
+        m_files->setItemData(m_files->count() - 1, document->path(), Qt::ToolTipRole);
+    }
     const auto active = std::find(documents.begin(), documents.end(), m_workspace.active());
     m_files->setCurrentIndex(active == documents.end() ? -1 : int(active - documents.begin()));
     m_files->setVisible(documents.size() > 1);
@@ -184,12 +206,16 @@ void AttributesDock::updateFiles()
 void AttributesDock::setDocument(Document* document)
 {
     m_model->setDocument(document);
+    m_view->scrollTo(m_model->indexOf(m_model->shown()));
     if (!document) m_colors->setKind(std::nullopt);
 }
 
 void AttributesDock::setFrame(const Frame& frame)
 {
-    m_model->setShown(frame.attribute);
+    if (frame.attribute != m_model->shown()) {
+        m_model->setShown(frame.attribute);
+        m_view->scrollTo(m_model->indexOf(frame.attribute));
+    }
     const Document* document = m_model->document();
     const Attribute* attribute = document ? document->findAttribute(frame.attribute) : nullptr;
     m_colors->setKind(attribute ? std::optional(attribute->kind) : std::nullopt);

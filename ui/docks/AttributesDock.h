@@ -5,6 +5,7 @@
 
 #include <QDockWidget>
 #include <QListView>
+#include <QTimer>
 
 class QComboBox;
 
@@ -42,6 +43,8 @@ public:
     AttributesModel& model() noexcept { return *m_model; }
     AttributesView& view() noexcept { return *m_view; }
     AttributeActions& actions() noexcept { return *m_actions; }
+    /// The list of open files; there while there are several.
+    const QComboBox& files() const noexcept { return *m_files; }
 
 signals:
     void attributeChosen(const QString& name);
@@ -55,6 +58,7 @@ private:
     AttributeActions* m_actions = nullptr;
     ColorPanel* m_colors = nullptr;
     QComboBox* m_files = nullptr;
+    QTimer m_filesTimer;
 };
 
 }  // namespace punctum::ui

@@ -71,8 +71,16 @@ void JobsModel::end(const JobInfo& info)
 
 void JobsModel::tick()
 {
-    const std::vector<JobInfo> running = m_workspace.jobs().running();
+    const std::vector<JobInfo> running = m_workspace.jobs().running();  // by rising ids
+    const auto find = [&](quint64 id) {
+        const auto found = std::lower_bound(running.begin(), running.end(), id,
+                                            [](const JobInfo& info, quint64 wanted) { return info.id < wanted; });
+        return found != running.end() && found->id == id ? &*found : nullptr;
+    };
     for (std::size_t i = 0; i < m_waiting.size();) {
+        // the time of a job that waits for its turn has not begun
+        if (const JobInfo* const now = find(m_waiting[i].info.id); now && now->waiting)
+            m_waiting[i].clock.restart();
         if (m_waiting[i].clock.elapsed() < kQuietFor) {
             ++i;
             continue;
@@ -93,12 +101,11 @@ void JobsModel::tick()
             continue;
         }
         busy = true;
-        for (const JobInfo& now : running)
-            if (now.id == entry.info.id) {
-                entry.info.stage = now.stage;
-                entry.info.fraction = now.fraction;
-                emit dataChanged(index(int(row)), index(int(row)));
-            }
+        if (const JobInfo* const now = find(entry.info.id)) {
+            entry.info.stage = now->waiting ? tr("Waits for its turn").toStdString() : now->stage;
+            entry.info.fraction = now->fraction;
+            emit dataChanged(index(int(row)), index(int(row)));
+        }
         ++row;
     }
     emit ticked();

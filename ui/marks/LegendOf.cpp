@@ -27,22 +27,21 @@ void addBar(Legend& legend, const render::DisplaySettings& display, std::pair<do
             range.second - range.first);
 }
 
-void addClasses(Legend& legend, const Document& document, const render::DisplaySettings& display)
+void addClasses(Legend& legend, const LegendFacts& facts, const render::DisplaySettings& display)
 {
-    if (!document.classCounts()) {
+    if (facts.classCounts == nullptr) {
         legend.remark = QObject::tr("not counted yet");
         return;
     }
-    const auto& counts = *document.classCounts();
+    const auto& counts = *facts.classCounts;
     for (unsigned code = 0; code < counts.size(); ++code)
         if (counts[code] > 0 && display.classVisible[code])
             legend.entries.push_back({toColor(display.palette[code]), classText(code), counts[code]});
     if (legend.entries.empty()) legend.remark = QObject::tr("no class is shown");
 }
 
-void addValues(Legend& legend, const Document& document)
+void addValues(Legend& legend, const DistinctValues* values)
 {
-    const auto* const values = document.values(legend.title);
     if (values == nullptr || values->tooMany) {
         legend.remark = QObject::tr("one color for each value");
         return;
@@ -56,15 +55,25 @@ void addValues(Legend& legend, const Document& document)
 Legend legendOf(const Document& document, const QString& name, std::pair<double, double> range,
                 const render::DisplaySettings& display)
 {
-    Legend legend;
     const Attribute* const attribute = document.findAttribute(name);
-    if (attribute == nullptr || attribute->kind == AttributeKind::Opaque) return legend;
-    legend.title = name;
-    legend.unit = toQString(attribute->unit);
-    switch (attribute->kind) {
+    if (attribute == nullptr) return {};
+    LegendFacts facts;
+    if (document.classCounts()) facts.classCounts = &*document.classCounts();
+    facts.values = document.values(name);
+    return legendOf(*attribute, facts, range, display);
+}
+
+Legend legendOf(const Attribute& attribute, const LegendFacts& facts, std::pair<double, double> range,
+                const render::DisplaySettings& display)
+{
+    Legend legend;
+    if (attribute.kind == AttributeKind::Opaque) return legend;
+    legend.title = toQString(attribute.name);
+    legend.unit = toQString(attribute.unit);
+    switch (attribute.kind) {
         case AttributeKind::Category:
-            if (attribute->integral()) {
-                addValues(legend, document);
+            if (attribute.integral()) {
+                addValues(legend, facts.values);
                 break;
             }
             [[fallthrough]];
@@ -72,7 +81,7 @@ Legend legendOf(const Document& document, const QString& name, std::pair<double,
             addBar(legend, display, range);
             break;
         case AttributeKind::Class:
-            addClasses(legend, document, display);
+            addClasses(legend, facts, display);
             break;
         case AttributeKind::Vector:
             legend.remark = display.normals == render::NormalLook::Lit ? QObject::tr("lit from the upper left")

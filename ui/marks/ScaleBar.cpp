@@ -26,6 +26,43 @@ constexpr double kBarLeft = 54;
 constexpr double kMostBar = 150;
 constexpr double kLeastWidth = 96;
 
+void paintArrow(QPainter& painter, double yaw, double height, const MarkStyle& style)
+{
+    painter.save();
+    painter.translate(kArrowAt, height / 2);
+    painter.rotate(yaw * 180.0 / std::numbers::pi);  // the view turns left: north turns right on the screen
+    const QColor northColor(0xf0, 0x6a, 0x5d);
+    QPainterPath north, south;
+    north.addPolygon(QPolygonF{{QPointF(0, -11), QPointF(4.4, 3), QPointF(-4.4, 3)}});
+    south.addPolygon(QPolygonF{{QPointF(0, 17), QPointF(4.4, 3), QPointF(-4.4, 3)}});
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(northColor);
+    painter.drawPath(north);
+    painter.setBrush(QColor(210, 214, 219));
+    painter.drawPath(south);
+    // The letter goes round with the arrow and stays upright.
+    painter.translate(0, -17);
+    painter.rotate(-yaw * 180.0 / std::numbers::pi);
+    painter.setFont(scaledFont(style.font, 0.78, true));
+    painter.setPen(northColor);
+    painter.drawText(QRectF(-8, -7, 16, 14), Qt::AlignCenter, QObject::tr("N", "north"));
+    painter.restore();
+}
+
+void paintBar(QPainter& painter, const ScaleBar& bar, QSizeF size, const MarkStyle& style)
+{
+    const double left = bar.arrow ? kBarLeft : kMarkMargin;
+    const double base = size.height() - 14;
+    painter.setRenderHint(QPainter::Antialiasing, false);
+    painter.setPen(QPen(kMarkText, 1));
+    const double right = left + bar.length;
+    painter.drawLine(QPointF(left, base), QPointF(right, base));
+    painter.drawLine(QPointF(left, base - 4), QPointF(left, base));
+    painter.drawLine(QPointF(right, base - 4), QPointF(right, base));
+    painter.setFont(style.font);
+    painter.drawText(QRectF(left, 6, size.width() - left, base - 10), Qt::AlignLeft | Qt::AlignVCenter, bar.text);
+}
+
 }  // namespace
 
 double roundLength(double limit)
@@ -62,8 +99,10 @@ ScaleBar scaleBarOf(const render::Camera& camera, double pictureHeightPx, double
 
 QSizeF scaleBarSize(const ScaleBar& bar, const MarkStyle& style)
 {
+    if (!bar.bar) return QSizeF(bar.arrow ? 2 * kArrowAt : 0.0, kHeight) * style.scale;
+    const double left = bar.arrow ? kBarLeft : kMarkMargin;
     const double text = QFontMetricsF(style.font).horizontalAdvance(bar.text);
-    return QSizeF(std::max(kLeastWidth, kBarLeft + std::max(bar.length, text) + 16), kHeight) * style.scale;
+    return QSizeF(std::max(kLeastWidth, left + std::max(bar.length, text) + 16), kHeight) * style.scale;
 }
 
 void paintScaleBar(QPainter& painter, QPointF corner, const ScaleBar& bar, const MarkStyle& style)
@@ -75,36 +114,8 @@ void paintScaleBar(QPainter& painter, QPointF corner, const ScaleBar& bar, const
     const QSizeF size = scaleBarSize(bar, style) / style.scale;
     if (style.plate) paintPlate(painter, QRectF(QPointF(), size));
 
-    painter.save();
-    painter.translate(kArrowAt, size.height() / 2);
-    painter.rotate(bar.yaw * 180.0 / std::numbers::pi);  // the view turns left: north turns right on the screen
-    const QColor northColor(0xf0, 0x6a, 0x5d);
-    QPainterPath north, south;
-    north.addPolygon(QPolygonF{{QPointF(0, -11), QPointF(4.4, 3), QPointF(-4.4, 3)}});
-    south.addPolygon(QPolygonF{{QPointF(0, 17), QPointF(4.4, 3), QPointF(-4.4, 3)}});
-    painter.setPen(Qt::NoPen);
-    painter.setBrush(northColor);
-    painter.drawPath(north);
-    painter.setBrush(QColor(210, 214, 219));
-    painter.drawPath(south);
-    // The letter goes round with the arrow and stays upright.
-    painter.translate(0, -17);
-    painter.rotate(-bar.yaw * 180.0 / std::numbers::pi);
-    painter.setFont(scaledFont(style.font, 0.78, true));
-    painter.setPen(northColor);
-    painter.drawText(QRectF(-8, -7, 16, 14), Qt::AlignCenter, QObject::tr("N", "north"));
-    painter.restore();
-
-    const double base = size.height() - 14;
-    painter.setRenderHint(QPainter::Antialiasing, false);
-    painter.setPen(QPen(kMarkText, 1));
-    const double right = kBarLeft + bar.length;
-    painter.drawLine(QPointF(kBarLeft, base), QPointF(right, base));
-    painter.drawLine(QPointF(kBarLeft, base - 4), QPointF(kBarLeft, base));
-    painter.drawLine(QPointF(right, base - 4), QPointF(right, base));
-    painter.setFont(style.font);
-    painter.drawText(QRectF(kBarLeft, 6, size.width() - kBarLeft, base - 10), Qt::AlignLeft | Qt::AlignVCenter,
-                     bar.text);
+    if (bar.arrow) paintArrow(painter, bar.yaw, size.height(), style);
+    if (bar.bar) paintBar(painter, bar, size, style);
     painter.restore();
 }
 

@@ -16,6 +16,8 @@ struct ScaleBar {
     double yaw = 0.0;     ///< of the camera, radians
     double length = 0.0;  ///< of the bar, px of the mark (before MarkStyle::scale)
     QString text;         ///< "50 m"; "50 units" where nobody knows of what
+    bool arrow = true;    ///< whether there is a north arrow ...
+    bool bar = true;      ///< ... and a bar
     friend bool operator==(const ScaleBar&, const ScaleBar&) = default;
 };
 

@@ -41,9 +41,6 @@ protected:
     void paintEvent(QPaintEvent* event) override;
 
 private:
-    void paint(QPainter& painter, const Measurement& measurement, bool unfinished) const;
-    std::optional<QPointF> place(const glm::dvec3& world) const;
-
     Viewport& m_viewport;
     const Measurements& m_measurements;
     std::optional<Measurement> m_unfinished;

@@ -144,25 +144,30 @@ void SectionBand::paintEvent(QPaintEvent*)
 
 void SectionRuler::setSection(const std::optional<Section>& section, const QString& unit, const QString& heightUnit)
 {
-    m_section = section;
-    m_unit = unit;
-    m_heightUnit = heightUnit;
+    m_marks.reset();
+    if (section) m_marks = {*section, unit, heightUnit};
     setVisible(section.has_value());
     update();
 }
 
 void SectionRuler::paintEvent(QPaintEvent*)
 {
-    if (!m_section) return;
-    const render::Camera& eye = camera();
-    const double unit = eye.unitsPerPixel(std::max(1, height()));
-    const glm::dvec2 middle = m_section->placeOf(eye.eye);
+    if (!m_marks) return;
     QPainter painter(this);
+    paintRuler(painter, *m_marks, camera(), size());
+}
+
+void paintRuler(QPainter& painter, const RulerMarks& marks, const render::Camera& eye, QSizeF size)
+{
+    const int width = int(size.width()), height = int(size.height());
+    const double unit = eye.unitsPerPixel(std::max(1, height));
+    const glm::dvec2 middle = marks.section.placeOf(eye.eye);
+    painter.save();
     const QFontMetrics metrics(painter.font());
     const auto label = [&](const QString& text, QPoint center, bool left) {
         QRect plate(0, 0, metrics.horizontalAdvance(text) + 10, metrics.height() + 2);
         plate.moveCenter(center);
-        plate.moveLeft(left ? center.x() : std::clamp(plate.left(), 2, std::max(2, width() - plate.width() - 2)));
+        plate.moveLeft(left ? center.x() : std::clamp(plate.left(), 2, std::max(2, width - plate.width() - 2)));
         painter.setPen(Qt::NoPen);
         painter.setBrush(kPlate);
         painter.drawRoundedRect(plate, 4, 4);
@@ -171,25 +176,26 @@ void SectionRuler::paintEvent(QPaintEvent*)
     };
     // Z of a row, and distance of a column
     const double heightOfPx = unit / eye.stretch.z;
-    const double top = eye.eye.z + height() / 2.0 * heightOfPx, left = middle.x - width() / 2.0 * unit;
-    const double bottom = top - height() * heightOfPx, right = left + width() * unit;
+    const double top = eye.eye.z + height / 2.0 * heightOfPx, left = middle.x - width / 2.0 * unit;
+    const double bottom = top - height * heightOfPx, right = left + width * unit;
     const double up = stepFrom(kHeightGap * heightOfPx), across = stepFrom(kDistanceGap * unit);
     if (!(up > 0.0) || !(across > 0.0) || (top - bottom) / up > kMostLines || (right - left) / across > kMostLines)
-        return;
+        return painter.restore();
     const double firstHeight = std::ceil(bottom / up) * up, firstPlace = std::ceil(left / across) * across;
     painter.setPen(kGrid);
     for (double z = firstHeight; z <= top; z += up)
-        painter.drawLine(QPointF(0, (top - z) / heightOfPx), QPointF(width(), (top - z) / heightOfPx));
+        painter.drawLine(QPointF(0, (top - z) / heightOfPx), QPointF(width, (top - z) / heightOfPx));
     for (double s = firstPlace; s <= right; s += across)
-        painter.drawLine(QPointF((s - left) / unit, 0), QPointF((s - left) / unit, height()));
+        painter.drawLine(QPointF((s - left) / unit, 0), QPointF((s - left) / unit, height));
     painter.setRenderHint(QPainter::Antialiasing);
     const int below = metrics.height() + 6;
     for (double z = firstHeight; z <= top; z += up) {
         const int y = int((top - z) / heightOfPx);
-        if (y > below / 2 && y < height() - 2 * below) label(numberOf(z, up, m_heightUnit), {4, y}, true);
+        if (y > below / 2 && y < height - 2 * below) label(numberOf(z, up, marks.heightUnit), {4, y}, true);
     }
     for (double s = firstPlace; s <= right; s += across)
-        label(numberOf(s, across, m_unit), {int((s - left) / unit), height() - below / 2 - 2}, false);
+        label(numberOf(s, across, marks.unit), {int((s - left) / unit), height - below / 2 - 2}, false);
+    painter.restore();
 }
 
 // -- the point in the other view

@@ -5,10 +5,13 @@
 #include "render/camera/Camera.h"
 
 #include <QPolygonF>
+#include <QString>
 #include <QWidget>
 
 #include <optional>
 #include <vector>
+
+class QPainter;
 
 namespace punctum::ui
 {
@@ -55,6 +58,15 @@ private:
     double m_fromHeight = 0.0, m_toHeight = 0.0;
 };
 
+/// What the lines and numbers over a section view go by.
+struct RulerMarks {
+    Section section;
+    QString unit;        ///< of distances
+    QString heightUnit;  ///< of Z
+};
+/// Draws them over a picture of this size (logical px) that the camera took. Any thread, as painting on images is.
+void paintRuler(QPainter& painter, const RulerMarks& marks, const render::Camera& camera, QSizeF size);
+
 /// Lines and numbers over a section view: heights at the left, distances from the line's left end below.
 class SectionRuler final : public ViewLayer
 {
@@ -63,13 +75,14 @@ public:
     using ViewLayer::ViewLayer;
     /// `unit`: of distances; `heightUnit`: of Z.
     void setSection(const std::optional<Section>& section, const QString& unit, const QString& heightUnit);
+    /// None: no section.
+    const std::optional<RulerMarks>& marks() const noexcept { return m_marks; }
 
 protected:
     void paintEvent(QPaintEvent* event) override;
 
 private:
-    std::optional<Section> m_section;
-    QString m_unit, m_heightUnit;
+    std::optional<RulerMarks> m_marks;
 };
 
 /// A ring at a place of the world: the point that the mouse is at in the other view.

@@ -125,6 +125,11 @@ Viewport& Sections::viewport() noexcept
     return m_pane->viewport();
 }
 
+std::optional<RulerMarks> Sections::rulerMarks() const
+{
+    return m_ruler->marks();
+}
+
 void Sections::addMenu()
 {
     MainMenu& menu = m_window.menu();
@@ -186,7 +191,7 @@ void Sections::linkPoints()
 
 double Sections::firstWidth(double length, const QString& unit) const
 {
-    const double chosen = m_settings.sectionWidth(unit);
+    const double chosen = unit.isEmpty() ? 0.0 : m_settings.sectionWidth(unit);
     return chosen > 0.0 ? chosen : std::max(roundLength(length / kFirstWidth), m_pane->widthField().minimum());
 }
 
@@ -298,7 +303,9 @@ void Sections::setWidth(double width)
     Section other = *m_section;
     other.width = std::clamp(width, m_pane->widthField().minimum(), m_pane->widthField().maximum());
     change(other);
-    if (m_document) m_settings.setSectionWidth(m_section->width, m_document->lengthUnit());
+    // a number without its unit means nothing in another file
+    if (const QString unit = m_document ? m_document->lengthUnit() : QString(); !unit.isEmpty())
+        m_settings.setSectionWidth(m_section->width, unit);
     show();
     m_countTimer.start();
 }

@@ -20,6 +20,7 @@ namespace punctum::ui
 class Document;
 class MainWindow;
 class PointMark;
+struct RulerMarks;
 class SectionBand;
 class SectionPane;
 class SectionRuler;
@@ -61,6 +62,8 @@ public:
     SectionPane& pane() noexcept { return *m_pane; }
     Viewport& viewport() noexcept;
     const SectionBand& band() const noexcept { return *m_band; }
+    /// Heights and distances as the section view shows them; none: no section is open.
+    std::optional<RulerMarks> rulerMarks() const;
     /// Of the main view, and of the section.
     const PointMark& mainMark() const noexcept { return *m_mainMark; }
     const PointMark& sectionMark() const noexcept { return *m_sectionMark; }

@@ -327,7 +327,13 @@ void Selection::startNext()
         if (wanted && !next.shot->answered) return;
         Task task = std::move(next);
         m_tasks.pop_front();
-        if (wanted && task.shot->view) run(std::move(task));
+        if (wanted && task.shot->view)
+            run(std::move(task));
+        else if (wanted && !task.live)
+            m_workspace.say(
+                MessageKind::Warning,
+                tr("Nothing was selected, because the view that the shape was drawn in is gone. Draw it "
+                   "once more."));
     }
 }
 

@@ -3,9 +3,11 @@
 
 #include "ui/style/Theme.h"
 
+#include <QComboBox>
 #include <QPainter>
 #include <QStyleFactory>
 #include <QStyleOptionComplex>
+#include <QStyledItemDelegate>
 
 namespace punctum::ui
 {
@@ -14,6 +16,7 @@ namespace
 {
 
 constexpr qreal kRadius = 6.0;
+constexpr int kDropDownMargin = 9;  // px beside the text of a line
 
 void drawField(QPainter& painter, const QRect& rect, bool enabled, bool hover, bool focus, const QColor& fill,
                bool wrong = false)
@@ -34,9 +37,24 @@ void drawChevron(QPainter& painter, const QRectF& rect, int up, const QColor& co
                                                   c + QPointF(half, up * half / 2)}});
 }
 
+/// The list that drops down from a combo box.
+bool isDropDown(const QWidget* widget)
+{
+    return widget && widget->inherits("QComboBoxListView");
+}
+
 }  // namespace
 
 Style::Style() : QProxyStyle(QStyleFactory::create(QStringLiteral("Fusion"))) {}
+
+void Style::polish(QWidget* widget)
+{
+    QProxyStyle::polish(widget);
+    // Qt's own delegate of a combo box asks no style how high a line is.
+    auto* const combo = qobject_cast<QComboBox*>(widget);
+    if (combo && combo->itemDelegate()->inherits("QComboBoxDelegate"))
+        combo->setItemDelegate(new QStyledItemDelegate(combo));
+}
 
 void Style::drawComplexControl(ComplexControl control, const QStyleOptionComplex* option, QPainter* painter,
                                const QWidget* widget) const
@@ -93,6 +111,11 @@ void Style::drawPrimitive(PrimitiveElement element, const QStyleOption* option, 
         painter->setPen(QPen(on ? fill : colors.dim, 1.1));
         painter->setBrush(fill);
         painter->drawRoundedRect(box, 4, 4);
+        if (option->state & State_HasFocus) {
+            painter->setPen(QPen(colors.accent, 1.2));
+            painter->setBrush(Qt::NoBrush);
+            painter->drawRoundedRect(box.adjusted(-2.4, -2.4, 2.4, 2.4), 5.5, 5.5);
+        }
         if (on) {
             painter->setPen(QPen(colors.dark ? QColor(0x0c, 0x12, 0x1a) : QColor(Qt::white), 1.8, Qt::SolidLine,
                                  Qt::RoundCap, Qt::RoundJoin));
@@ -103,7 +126,8 @@ void Style::drawPrimitive(PrimitiveElement element, const QStyleOption* option, 
         painter->restore();
         return;
     }
-    if (element == PE_FrameFocusRect) return;  // fields show the focus by their border
+    if (element == PE_FrameFocusRect)
+        return;  // fields and lists show the focus by their border, check marks by a ring
     QProxyStyle::drawPrimitive(element, option, painter, widget);
 }
 
@@ -112,6 +136,8 @@ QSize Style::sizeFromContents(ContentsType type, const QStyleOption* option, con
 {
     QSize result = QProxyStyle::sizeFromContents(type, option, size, widget);
     if (type == CT_ComboBox || type == CT_SpinBox) result.setHeight(std::max(result.height(), kFieldHeight));
+    if (type == CT_ItemViewItem && isDropDown(widget))
+        result.setHeight(std::max(result.height() + 8, kFieldHeight));
     return result;
 }
 
@@ -123,6 +149,8 @@ int Style::pixelMetric(PixelMetric metric, const QStyleOption* option, const QWi
             return 16;
         case PM_DockWidgetSeparatorExtent:
             return 5;
+        case PM_FocusFrameHMargin:  // of the lines of a list
+            return isDropDown(widget) ? kDropDownMargin : QProxyStyle::pixelMetric(metric, option, widget);
         default:
             return QProxyStyle::pixelMetric(metric, option, widget);
     }

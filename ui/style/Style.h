@@ -14,6 +14,8 @@ class Style final : public QProxyStyle
 public:
     Style();
 
+    void polish(QWidget* widget) override;
+    using QProxyStyle::polish;
     void drawComplexControl(ComplexControl control, const QStyleOptionComplex* option, QPainter* painter,
                             const QWidget* widget) const override;
     void drawPrimitive(PrimitiveElement element, const QStyleOption* option, QPainter* painter,

@@ -106,6 +106,7 @@ QToolBar::separator { background: @border; width: 1px; margin: 5px 7px; }
 QToolButton { border: none; border-radius: 6px; padding: 5px; }
 QToolButton:hover { background: @hover; }
 QToolButton:pressed, QToolButton:checked { background: @accentSoft; }
+QToolButton:focus { border: 1px solid @accent; padding: 4px; }
 
 QStatusBar { background: @window; border-top: 1px solid @border; }
 QStatusBar::item { border: none; }
@@ -118,6 +119,8 @@ QTabBar::tab:selected { color: @text; border-bottom: 2px solid @accent; }
 QTabBar::tab:hover:!selected { color: @text; }
 
 QListView, QTreeView, QTableView, QTextBrowser { background: @base; border: 1px solid @border; border-radius: 7px; outline: none; }
+QListView:focus, QTreeView:focus, QTableView:focus, QTextBrowser:focus, QPlainTextEdit:focus { border-color: @accent; }
+QComboBox QAbstractItemView { padding: 4px; border-radius: 0; }
 QTableView::item { border: none; padding: 0 6px; }
 QTableView::item:selected, QTreeView::item:selected { background: @accentSoft; color: @text; }
 QHeaderView { background: transparent; }
@@ -133,6 +136,8 @@ QPushButton[primary="true"]:hover { background: @accentHover; }
 QPushButton[primary="true"]:disabled { background: @raised; border-color: @border; color: @dim; }
 QPushButton[flat="true"] { background: transparent; border: none; padding: 4px 8px; color: @accent; }
 QPushButton[flat="true"]:hover { background: @hover; }
+QPushButton[flat="true"]:focus { border: 1px solid @accent; padding: 3px 7px; }
+QTabBar::tab:focus { color: @accent; }
 QPushButton:checked { background: @accentSoft; border-color: @accent; }
 QPushButton:checked:disabled { background: @raised; border-color: @border; }
 

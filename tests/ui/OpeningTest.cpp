@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: MIT
+// Many files at once, whole folders, drops anywhere on the window, and files of one name.
+#include "UiTest.h"
+
+#include "core/Error.h"
+#include "ui/Distinctions.h"
+#include "ui/MainMenu.h"
+#include "ui/MessageArea.h"
+#include "ui/Overlays.h"
+#include "ui/StartPage.h"
+#include "ui/Text.h"
+#include "ui/Viewport.h"
+#include "ui/Workspace.h"
+#include "ui/docks/AttributesDock.h"
+#include "ui/docks/JobsDock.h"
+#include "ui/docks/JobsModel.h"
+#include "ui/docks/ProcessingDock.h"
+
+#include <QComboBox>
+#include <QDir>
+#include <QDragEnterEvent>
+#include <QElapsedTimer>
+#include <QFile>
+#include <QLineEdit>
+#include <QMenuBar>
+#include <QMimeData>
+#include <QPushButton>
+#include <QTimer>
+#include <QUrl>
+
+using namespace punctum;
+using namespace punctum::ui;
+using namespace punctum::ui::test;
+
+namespace
+{
+
+constexpr int kMany = 400;
+
+/// Copies of one small file under these names in a folder.
+void writeCopies(const QString& folder, const QStringList& names)
+{
+    const QString first = QDir(folder).filePath(QStringLiteral("first.tmp"));
+    writeSample(first + QStringLiteral(".laz"), 500);
+    for (const QString& name : names) {
+        const QString path = QDir(folder).filePath(name);
+        QDir().mkpath(QFileInfo(path).path());
+        QVERIFY(QFile::copy(first + QStringLiteral(".laz"), path));
+    }
+    QFile::remove(first + QStringLiteral(".laz"));
+}
+
+QStringList manyNames()
+{
+    QStringList names;
+    for (int k = 0; k < kMany; ++k)
+        names << QStringLiteral("row%1/tile%2.laz")
+                     .arg(k / 20, 2, 10, QLatin1Char('0'))
+                     .arg(k % 20, 2, 10, QLatin1Char('0'));
+    return names;
+}
+
+struct OpeningBench : TestWindow {
+    QTemporaryDir data;
+
+    using TestWindow::TestWindow;
+    Workspace& workspace() { return window->workspace(); }
+    QStringList names()
+    {
+        QStringList list;
+        for (const Document* document : workspace().documents()) list << document->name();
+        list.sort();
+        return list;
+    }
+};
+
+}  // namespace
+
+class OpeningTest : public QObject
+{
+    Q_OBJECT
+private slots:
+    void distinctions_data()
+    {
+        QTest::addColumn<QStringList>("paths");
+        QTest::addColumn<QStringList>("parts");
+        QTest::newRow("parents differ")
+            << QStringList{"/a/north/t.las", "/a/south/t.las"} << QStringList{"north", "south"};
+        QTest::newRow("grandparents differ")
+            << QStringList{"/a/north/las/t.las", "/a/south/las/t.las"} << QStringList{"north/las", "south/las"};
+        QTest::newRow("one lies deeper") << QStringList{"/a/t.las", "/a/b/a/t.las"} << QStringList{"/a", "b/a"};
+        QTest::newRow("three") << QStringList{"/x/1/t.las", "/y/1/t.las", "/y/2/t.las"}
+                               << QStringList{"x/1", "y/1", "2"};
+    }
+    void distinctions()
+    {
+        QFETCH(QStringList, paths);
+        QTEST(distinctionsOf(paths), "parts");
+    }
+
+    /// A folder stands for the files in it and below, and for itself in the list of recent ones.
+    void opensAFolder()
+    {
+        OpeningBench test;
+        writeCopies(test.data.path(), {"north/tile.laz", "south/tile.laz", "other.LAZ"});
+        QFile notes(test.data.filePath(QStringLiteral("notes.txt")));
+        QVERIFY(notes.open(QIODevice::WriteOnly));
+        test.window->openFiles({test.data.path()});
+        QVERIFY(test.settle());
+        QVERIFY(waitFor([&] {
+            return test.names() == QStringList{"other.LAZ", "tile.laz (north)", "tile.laz (south)"};
+        }));
+        QVERIFY(test.workspace().active());
+        QVERIFY(test.window->viewport().messages().sentences().isEmpty());
+        const QComboBox& files = test.window->attributesDock().files();
+        QVERIFY(
+            waitFor([&] { return files.count() == 3 && files.findText(QStringLiteral("tile.laz (north)")) >= 0; }));
+
+        // One closed: the other needs no distinction any more.
+        for (Document* document : std::vector<Document*>(test.workspace().documents()))
+            if (document->name().endsWith(QStringLiteral("(south)"))) test.workspace().close(*document);
+        QVERIFY(waitFor([&] { return test.names() == QStringList{"other.LAZ", "tile.laz"}; }));
+
+        const auto recentOf = [](TestWindow& of) {
+            return of.window->viewport().startPage().findChildren<QPushButton*>(QStringLiteral("recent"));
+        };
+        QVERIFY(waitFor([&] { return recentOf(test).size() == 1; }));
+        QVERIFY(test.settle());
+        TestWindow again(ViewKind::Automatic, test.folder.filePath(QStringLiteral("settings.ini")));
+        const auto recent = recentOf(again);
+        QCOMPARE(recent.size(), 1);
+        QCOMPARE(recent.front()->toolTip(), test.data.path());
+        QTest::mouseClick(recent.front(), Qt::LeftButton);
+        QVERIFY(waitFor([&] { return again.window->workspace().documents().size() == 3; }));
+    }
+
+    void saysWhatIsNotThere()
+    {
+        OpeningBench test;
+        QVERIFY(QDir(test.data.path()).mkdir(QStringLiteral("empty")));
+        test.window->openFiles({test.data.filePath(QStringLiteral("empty"))});
+        QVERIFY(test.settle());
+        QCOMPARE(test.window->viewport().messages().sentences(),
+                 QStringList{QStringLiteral("There is no LAS or LAZ file in empty.")});
+        test.window->openFiles({test.data.filePath(QStringLiteral("no such.las"))});
+        QVERIFY(test.settle());
+        QCOMPARE(test.window->viewport().messages().sentences().size(), 2);
+    }
+
+    /// Hundreds of files: asked about, opened a few at a time, one job in the list, and the window answers
+    /// meanwhile.
+    void manyFilesKeepTheWindowAlive()
+    {
+        OpeningBench test;
+        writeCopies(test.data.path(), manyNames());
+        QFile::remove(test.data.filePath(QStringLiteral("row00/tile00.laz")));
+        QFile broken(test.data.filePath(QStringLiteral("row00/tile00.laz")));
+        QVERIFY(broken.open(QIODevice::WriteOnly) && broken.write("no cloud") > 0);
+        broken.close();
+        QString question;
+        test.workspace().askQuestion = [&](const Question& asked, std::function<void(bool)> answer) {
+            question = asked.text;
+            answer(true);
+        };
+        QElapsedTimer clock;
+        qint64 longest = 0;
+        std::size_t mostAtOnce = 0;
+        QTimer beat;
+        connect(&beat, &QTimer::timeout, &beat, [&] {
+            longest = std::max(longest, clock.restart());
+            std::size_t running = 0;
+            for (const JobInfo& job : test.workspace().jobs().running()) running += job.waiting ? 0 : 1;
+            mostAtOnce = std::max(mostAtOnce, running);
+        });
+        test.window->openFiles({test.data.path()});
+        clock.start();
+        beat.start(5);
+        int mostListed = 0;
+        QVERIFY(waitFor([&] {
+            mostListed = std::max(mostListed, test.window->jobsDock().model().rowCount());
+            return test.workspace().documents().size() == kMany - 1;
+        }));
+        QVERIFY(test.settle());
+        beat.stop();
+        QVERIFY2(question.contains(QString::number(kMany)), qPrintable(question));
+        qInfo("longest gap %lld ms, %zu jobs at once, %d listed", longest, mostAtOnce, mostListed);
+        // Machines that tests run on are shared; the freeze that this is about took many seconds.
+        QVERIFY2(longest < 3000, qPrintable(QString::number(longest)));
+        QVERIFY(mostAtOnce < 40);
+        QVERIFY(mostListed < 20);
+        QCOMPARE(test.window->viewport().messages().sentences(),
+                 QStringList{QStringLiteral("1 of %1 files could not be opened.").arg(kMany)});
+        QVERIFY(waitFor([&] { return test.window->attributesDock().files().count() == kMany - 1; }));
+    }
+
+    void manyFilesCanBeStoppedAndDeclined()
+    {
+        OpeningBench test;
+        writeCopies(test.data.path(), manyNames());
+        bool wanted = false;
+        test.workspace().askQuestion = [&](const Question&, std::function<void(bool)> answer) { answer(wanted); };
+        test.window->openFiles({test.data.path()});
+        QVERIFY(test.settle());
+        QVERIFY(test.workspace().documents().empty());
+
+        wanted = true;
+        test.window->openFiles({test.data.path()});
+        JobsModel& jobs = test.window->jobsDock().model();
+        QVERIFY(waitFor([&] { return test.workspace().documents().size() > 3; }));
+        for (int row = 0; row < jobs.rowCount(); ++row)
+            if (jobs.index(row).data().toString() == QStringLiteral("Open %1 files").arg(kMany))
+                jobs.closeOrCancel(jobs.index(row).data(JobsModel::IdRole).toULongLong());
+        QVERIFY(test.settle());
+        const std::size_t open = test.workspace().documents().size();
+        QVERIFY2(open > 3 && open < kMany, qPrintable(QString::number(open)));
+        for (const Document* document : test.workspace().documents()) QVERIFY(!document->loading());
+    }
+
+    /// Over a panel, too, and over a field that would take the file's name as text.
+    void dropsAreTakenByTheWholeWindow()
+    {
+        OpeningBench test;
+        writeCopies(test.data.path(), {"a.laz", "folder/b.laz"});
+        QVERIFY(test.open(test.data.filePath(QStringLiteral("a.laz"))));
+        auto* const field = test.window->processingDock().findChild<QLineEdit*>();
+        QVERIFY(field);
+        QMimeData mime;
+        mime.setUrls({QUrl::fromLocalFile(test.data.filePath(QStringLiteral("folder")))});
+        mime.setText(QStringLiteral("a text beside it"));
+        const QString before = field->text();
+        for (QWidget* target : std::initializer_list<QWidget*>{field, &test.window->attributesDock().view()}) {
+            QDragEnterEvent enter(target->rect().center(), Qt::CopyAction, &mime, Qt::LeftButton, Qt::NoModifier);
+            QApplication::sendEvent(target, &enter);
+            QVERIFY(enter.isAccepted());
+            QVERIFY(test.window->viewport().dropHint().isVisible());
+            QDropEvent dropped(target->rect().center(), Qt::CopyAction, &mime, Qt::LeftButton, Qt::NoModifier);
+            QApplication::sendEvent(target, &dropped);
+            QVERIFY(!test.window->viewport().dropHint().isVisible());
+            QVERIFY(waitFor([&] { return test.workspace().documents().size() == 2; }));
+            QVERIFY(test.settle());
+            QCOMPARE(field->text(), before);
+            for (Document* document : std::vector<Document*>(test.workspace().documents()))
+                if (document->name() == QStringLiteral("b.laz")) test.workspace().close(*document);
+        }
+    }
+
+    void menusHaveTheUsualOrder()
+    {
+        OpeningBench test;
+        QStringList titles;
+        for (const QAction* menu : test.window->menuBar()->actions())
+            titles << menu->text().remove(QLatin1Char('&'));
+        QCOMPARE(titles, (QStringList{"File", "Edit", "View", "Select", "Measure", "Section", "Process", "Help"}));
+    }
+
+    /// F9 gives the view all of the window, and back.
+    void panelsMakeRoom()
+    {
+        OpeningBench test;
+        test.window->activateWindow();
+        QVERIFY(QTest::qWaitForWindowActive(test.window.get()));
+        const int before = test.window->viewport().width();
+        test.window->viewport().setFocus();
+        QTest::keyClick(&test.window->viewport(), Qt::Key_F9);
+        QVERIFY(waitFor([&] { return test.window->viewport().width() == test.window->width(); }));
+        QTest::keyClick(&test.window->viewport(), Qt::Key_F9);
+        QVERIFY(waitFor([&] { return test.window->viewport().width() == before; }));
+    }
+};
+
+int main(int argc, char** argv)
+{
+    return runUiTest(argc, argv, [] { return std::make_unique<OpeningTest>(); });
+}
+
+#include "OpeningTest.moc"

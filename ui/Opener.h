@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <QObject>
+#include <QStringList>
+#include <QTimer>
+
+#include <cstddef>
+
+class QMimeData;
+
+namespace punctum::ui
+{
+
+class Document;
+class MainWindow;
+class WindowSettings;
+
+/// How the user opens files: by dialogs, by dropping them anywhere on the window, from the list of recent ones, on
+/// the command line. Folders stand for the LAS and LAZ files in them and in all folders inside; they are searched
+/// by a job, and many files are asked about first.
+///
+/// GUI thread only. A child of the window; borrows the settings, which must outlive it.
+class Opener final : public QObject
+{
+    Q_OBJECT
+public:
+    Opener(MainWindow& window, WindowSettings& settings);
+
+    /// Files and folders, in any mix. Returns at once.
+    void open(const QStringList& paths);
+    void chooseFiles();
+    void chooseFolder();
+
+    bool eventFilter(QObject* watched, QEvent* event) override;
+
+private:
+    struct Search;
+    void openFound(const Search& search);
+    void remember(const Document& document);
+    void showRecent();
+    /// Says over the view what dropping this would do; false: nothing.
+    bool hint(const QMimeData& mime);
+
+    MainWindow& m_window;
+    WindowSettings& m_settings;
+    QStringList m_remembered;  ///< newest last, not yet written down
+    QTimer m_rememberTimer;
+};
+
+}  // namespace punctum::ui
