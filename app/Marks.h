@@ -14,6 +14,7 @@
 namespace CLI
 {
 class App;
+class Option;
 }
 
 namespace punctum::app
