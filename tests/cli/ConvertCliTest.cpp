@@ -244,8 +244,7 @@ private slots:
         QCOMPARE(info.json()["time_offset"].toInt(-1), 0);
         PUNCTUM_EXIT(runPunctum({"convert", "new.laz", "old.las", "--las-version", "1.4"}, folder.path()), 0);
         const Outcome diff = runPunctum({"diff", "in.las", "old.las", "--json"}, folder.path());
-        for (const QJsonValue& attribute : diff.json()["attributes"].toArray())
-            QCOMPARE(attribute["points"].toInt(), 0);
+        QVERIFY(diff.json()["attributes"].toArray().isEmpty());
     }
 
     void reportsInJson()
