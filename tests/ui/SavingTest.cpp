@@ -338,7 +338,8 @@ private slots:
             QVERIFY(waitFor([&] { return shown<QMessageBox>("savingQuestion") != nullptr; }));
             auto* box = shown<QMessageBox>("savingQuestion");
             QCOMPARE(box->text(), QStringLiteral("Save as point format 7 of LAS 1.4?"));
-            QVERIFY2(box->informativeText().contains(QStringLiteral("%1 points have a class above 31").arg(low)),
+            QVERIFY2(box->informativeText().contains(
+                         QStringLiteral("%1 points have a class above 31").arg(countText(low))),
                      qPrintable(box->informativeText()));
             QTest::mouseClick(box->button(go ? QMessageBox::Save : QMessageBox::Cancel), Qt::LeftButton);
             QVERIFY(waitFor([&] { return !test.window->workspace().busy() && document->modified() != go; }));
