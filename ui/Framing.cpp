@@ -22,6 +22,8 @@ namespace
 constexpr double kNeighbors = 20.0;  // times the largest file's extent
 constexpr double kSpeck = 8.0;       // px: what is smaller cannot be seen
 
+constexpr std::size_t kToldOneByOne = 8;  ///< of more files that are open, only the active one's strays are told
+
 bool same(const WorldBounds& a, const WorldBounds& b)
 {
     return a.min == b.min && a.max == b.max;
@@ -73,7 +75,7 @@ void Framing::fitFor(const Document& document)
 
 // -- what is shown
 
-void Framing::find(const std::vector<Document*>& documents, Found found)
+void Framing::find(const std::vector<Document*>& documents, JobTurn turn, Found found)
 {
     struct Part {
         std::shared_ptr<PointCloud> cloud;
@@ -103,7 +105,7 @@ void Framing::find(const std::vector<Document*>& documents, Found found)
         [extent, found = std::move(found)](const JobInfo& info) {
             if (info.state == JobState::Finished) found(*extent);
         },
-        true);
+        true, turn);
 }
 
 void Framing::fitTo(const ShownExtent& extent)
@@ -122,7 +124,7 @@ void Framing::fitTo(const ShownExtent& extent)
 void Framing::fitShown(const std::vector<Document*>& documents)
 {
     if (documents.empty()) return;
-    find(documents, [this, request = ++m_request](const ShownExtent& extent) {
+    find(documents, JobTurn::AtOnce, [this, request = ++m_request](const ShownExtent& extent) {
         if (request == m_request) fitTo(extent);
     });
 }
@@ -161,20 +163,22 @@ void Framing::documentLoaded(Document* document)
     // The header's box was only a first idea.
     const std::uint64_t moves = m_camerasBefore[document].second;
     m_camerasBefore.erase(document);
-    find({document}, [this, moves, target = QPointer<Document>(document)](const ShownExtent& extent) {
-        if (!target) return;
-        m_extents[target] = extent;
-        updateSceneBounds();
-        if (moves == m_viewport.userMoves()) fitFor(*target);
-        if (extent.strays > 0)
-            m_workspace.say(
-                MessageKind::Info,
-                extent.strays == 1
-                    ? tr("%1: one point lies far away from all the others, outside the view. F shows it, too.")
-                          .arg(target->name())
-                    : tr("%1: %2 lie far away from all the others, outside the view. F shows them, too.")
-                          .arg(target->name(), pointsText(extent.strays)));
-    });
+    find({document}, JobTurn::Queued,
+         [this, moves, target = QPointer<Document>(document)](const ShownExtent& extent) {
+             if (!target) return;
+             m_extents[target] = extent;
+             updateSceneBounds();
+             if (moves == m_viewport.userMoves()) fitFor(*target);
+             const bool few = m_workspace.documents().size() <= kToldOneByOne;
+             if (extent.strays > 0 && (few || target == m_workspace.active()))
+                 m_workspace.say(
+                     MessageKind::Info,
+                     extent.strays == 1
+                         ? tr("%1: one point lies far away from all the others, outside the view. F shows it, too.")
+                               .arg(target->name())
+                         : tr("%1: %2 lie far away from all the others, outside the view. F shows them, too.")
+                               .arg(target->name(), pointsText(extent.strays)));
+         });
 }
 
 void Framing::documentRemoved(Document* document, bool openingFailed)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/cloud/ShownExtent.h"
+#include "core/task/Jobs.h"
 #include "render/camera/Camera.h"
 
 #include <QObject>
@@ -41,7 +42,7 @@ private:
     using Found = std::function<void(const ShownExtent&)>;
     /// Looks at the shown points of these documents; `found` is not called when that is cancelled, or another fit
     /// was asked for meanwhile.
-    void find(const std::vector<Document*>& documents, Found found);
+    void find(const std::vector<Document*>& documents, JobTurn turn, Found found);
     void fitTo(const ShownExtent& extent);
     void fitShown(const std::vector<Document*>& documents);
     /// Of a document, without strays as far as they are known.

@@ -34,7 +34,8 @@ struct Jobs::Job {
     {
         return {id, title, progress.stage(), JobState::Running, waiting, progress.fraction(), {}};
     }
-    void run();
+    /// `begin`: false for one that was cancelled before its turn.
+    void run(bool begin = true);
 };
 
 struct Jobs::State {
@@ -54,11 +55,11 @@ struct Jobs::State {
     std::vector<std::shared_ptr<Job>> takeWaiting(Which which);
 };
 
-void Jobs::Job::run()
+void Jobs::Job::run(bool begin)
 {
     JobInfo info{id, title, {}, JobState::Finished, false, 1.0, {}};
     try {
-        progress.check();
+        if (!begin) throw Cancelled();
         work(progress);
     } catch (const Cancelled&) {
         info.state = JobState::Cancelled;
@@ -162,7 +163,7 @@ void Jobs::end(std::vector<std::shared_ptr<Job>> jobs)
     if (jobs.empty()) return;
     std::thread([state = m_state, jobs = std::move(jobs)] {
         for (const std::shared_ptr<Job>& job : jobs) {
-            job->run();
+            job->run(false);
             state->remove(job);
         }
     }).detach();

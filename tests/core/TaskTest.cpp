@@ -59,6 +59,7 @@ private slots:
     void waitsForAll();
     void manyAtOnce();
     void queuedJobsTakeTurns();
+    void whatBeganIsNotLost();
     void waitingJobsEndWhenCancelled();
     void idleJobsComeLast();
 };
@@ -303,6 +304,17 @@ void TaskTest::queuedJobsTakeTurns()
         "job", [&](Progress&) { ++done; }, {}, JobTurn::Queued);
     jobs.waitForAll();
     QCOMPARE(done.load(), 1001);
+}
+
+/// What was started at once is begun, though all are cancelled in the same moment: it may be a settings file.
+void TaskTest::whatBeganIsNotLost()
+{
+    std::atomic<int> written{0};
+    for (int i = 0; i < 100; ++i) {
+        Jobs jobs;
+        jobs.start("write", [&](Progress&) { ++written; });
+    }
+    QCOMPARE(written.load(), 100);
 }
 
 /// Whoever waits behind a long job does not wait for it to be cancelled.

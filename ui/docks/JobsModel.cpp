@@ -78,9 +78,9 @@ void JobsModel::tick()
         return found != running.end() && found->id == id ? &*found : nullptr;
     };
     for (std::size_t i = 0; i < m_waiting.size();) {
-        // the time of a job that waits for its turn has not begun
-        if (const JobInfo* const now = find(m_waiting[i].info.id); now && now->waiting)
-            m_waiting[i].clock.restart();
+        // The time of a job that waits for its turn has not begun; of one that has ended, the end is on its way.
+        const JobInfo* const now = find(m_waiting[i].info.id);
+        if (!now || now->waiting) m_waiting[i].clock.restart();
         if (m_waiting[i].clock.elapsed() < kQuietFor) {
             ++i;
             continue;
