@@ -298,13 +298,12 @@ private slots:
         QVERIFY(test.open(file));
         QVERIFY2(test.window->windowHandle()->title().startsWith(QStringLiteral("a&b[*].las - ")),
                  qPrintable(test.window->windowHandle()->title()));
-        bool listed = false;
-        for (const QAction* action : test.window->findChildren<QAction*>())
-            listed = listed || action->text() == QStringLiteral("a&&b[*].las");
-        for (const QMenu* menu : test.window->findChildren<QMenu*>())
-            for (const QAction* action : menu->actions())
-                listed = listed || action->text() == QStringLiteral("a&&b[*].las");
-        QVERIFY(listed);
+        QVERIFY(waitFor([&] {
+            for (const QMenu* menu : test.window->findChildren<QMenu*>())
+                for (const QAction* action : menu->actions())
+                    if (action->text() == QStringLiteral("a&&b[*].las")) return true;
+            return false;
+        }));
     }
 
     /// A name that is no UTF-8 opens from a drop, whose address has lost it, and is saved under that very name.

@@ -19,7 +19,8 @@ NumberField::NumberField(QWidget* parent) : QLineEdit(parent)
 void NumberField::put(double value, const QString& plain)
 {
     const QString shown = localNumber(plain);
-    if (hasFocus() && isModified()) return;
+    if (isModified() && window()->focusWidget() == this)
+        return;  // somebody types, or has gone to look something up
     m_value = value;
     m_plain = plain;
     m_put = shown;
