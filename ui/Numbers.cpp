@@ -12,7 +12,7 @@ namespace punctum::ui
 namespace
 {
 
-constexpr qsizetype kGroup = 3;  // digits
+constexpr qsizetype kGroupDigits = 3;  // digits
 
 bool isDigit(QChar c)
 {
@@ -92,10 +92,10 @@ std::optional<Parts> partsOf(const QString& text, QChar decimal, const QString& 
     parts.whole = digitsAt(text, at);
     if (at < text.size() && separators.contains(text[at]) && text[at] != decimal) {
         const QChar separator = text[at];
-        if (parts.whole.isEmpty() || parts.whole.size() > kGroup) return std::nullopt;
+        if (parts.whole.isEmpty() || parts.whole.size() > kGroupDigits) return std::nullopt;
         while (at < text.size() && text[at] == separator) {
             const QString group = digitsAt(text, ++at);
-            if (group.size() != kGroup) return std::nullopt;
+            if (group.size() != kGroupDigits) return std::nullopt;
             parts.whole += group;
         }
     }
@@ -122,7 +122,7 @@ QString localNumber(const QString& plain, const QLocale& locale)
     const QString separator = locale.groupSeparator();
     QString text = parts->negative ? QStringLiteral("-") : QString();
     for (qsizetype k = 0; k < parts->whole.size(); ++k) {
-        if (k != 0 && (parts->whole.size() - k) % kGroup == 0) text += separator;
+        if (k != 0 && (parts->whole.size() - k) % kGroupDigits == 0) text += separator;
         text += parts->whole[k];
     }
     if (!parts->fraction.isEmpty()) text += locale.decimalPoint() + parts->fraction;

@@ -131,7 +131,7 @@ void Recovery::look(Document& document)
 }
 
 void Recovery::offer(Document& document, const std::filesystem::path& path,
-                     std::shared_ptr<JournalContents> journal)
+                     const std::shared_ptr<JournalContents>& journal)
 {
     const auto names = journal->inForce();
     if (!ask || (names.empty() && journal->damage.empty())) return;

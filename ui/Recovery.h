@@ -76,7 +76,8 @@ public:
 
 private:
     std::filesystem::path pathOf(const CloudKey& key) const;
-    void offer(Document& document, const std::filesystem::path& path, std::shared_ptr<JournalContents> journal);
+    void offer(Document& document, const std::filesystem::path& path,
+               const std::shared_ptr<JournalContents>& journal);
     void recover(Document& document, const std::filesystem::path& path,
                  const std::shared_ptr<const JournalContents>& journal);
     void recoverFrom(Document& document, const std::filesystem::path& path);

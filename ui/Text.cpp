@@ -100,7 +100,7 @@ QString toQString(const std::filesystem::path& path)
 {
     const QByteArray bytes = QByteArray::fromStdString(path.string());
     const auto whole = [](const QByteArray& part) {
-        const QString text = QString::fromUtf8(part);
+        QString text = QString::fromUtf8(part);
         return text.toUtf8() == part ? text : QString();
     };
     if (const QString text = whole(bytes); !text.isEmpty()) return text;

@@ -16,8 +16,8 @@ namespace punctum
 namespace
 {
 
-constexpr PointIndex kGrain = 1 << 16;
-constexpr PointIndex kBlock = 1024;
+constexpr PointIndex kTaskPoints = 1 << 16;
+constexpr PointIndex kBitsBlock = 1024;
 
 /// Values seen by one thread, by their bits.
 struct Seen {
@@ -49,12 +49,12 @@ DistinctValues distinctValues(const Attribute& attribute, std::size_t most, Prog
                               const PointSet* leftOut)
 {
     const Seen all = tbb::parallel_reduce(
-        tbb::blocked_range<PointIndex>(0, attribute.size(), kGrain), Seen{},
+        tbb::blocked_range<PointIndex>(0, attribute.size(), kTaskPoints), Seen{},
         [&](const tbb::blocked_range<PointIndex>& r, Seen seen) {
-            std::uint32_t bits[kBlock];
-            for (PointIndex first = r.begin(); first < r.end() && !seen.tooMany; first += kBlock) {
+            std::uint32_t bits[kBitsBlock];
+            for (PointIndex first = r.begin(); first < r.end() && !seen.tooMany; first += kBitsBlock) {
                 if (progress.cancelled()) return seen;
-                const PointIndex last = std::min(r.end(), first + kBlock);
+                const PointIndex last = std::min(r.end(), first + kBitsBlock);
                 attribute.gatherBits(PointRange{first, last}, bits);
                 // Neighbors mostly have the same value: runs of it are added at once.
                 for (PointIndex i = first; i < last;) {

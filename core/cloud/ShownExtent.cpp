@@ -20,7 +20,7 @@ namespace punctum
 namespace
 {
 
-constexpr PointIndex kSamples = 65'536;
+constexpr PointIndex kExtentSamples = 65'536;
 constexpr double kTail = 0.002;     // of the points, at each end of an axis
 constexpr std::size_t kFewest = 8;  // points among which strays can be told
 constexpr double kRoom = 1.0;       // sizes of the cloud beyond its ranges
@@ -70,15 +70,16 @@ Counted countIn(const PointCloud& cloud, const RawBounds& box, const PointSet* h
 
 using Sample = std::array<std::vector<std::int32_t>, 3>;
 
-/// Raw coordinates of about kSamples of the shown points, spread evenly over them.
+/// Raw coordinates of about kExtentSamples of the shown points, spread evenly over them.
 Sample sampleOf(const PointCloud& cloud, const RawBounds& box, const PointSet* hidden, PointIndex points,
                 Progress& progress)
 {
     // Multiples of the golden ratio are spread evenly over the whole numbers of 64 bits: those below a bound are
     // taken.
     constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15u;
-    const std::uint64_t bound = points <= kSamples ? std::numeric_limits<std::uint64_t>::max()
-                                                   : std::numeric_limits<std::uint64_t>::max() / points * kSamples;
+    const std::uint64_t bound = points <= kExtentSamples
+                                    ? std::numeric_limits<std::uint64_t>::max()
+                                    : std::numeric_limits<std::uint64_t>::max() / points * kExtentSamples;
     const auto x = cloud.rawX(), y = cloud.rawY(), z = cloud.rawZ();
     Sample all;
     std::mutex gate;

@@ -67,7 +67,8 @@ void DetachedColumns::clear() noexcept
             fetch(one);  // somebody else has it, and the room of the piece is about to be used for other things
         } catch (const std::exception&) {
             // Nobody will see these values any more, but they must be there to be read.
-            ::mmap(one.column->data(), one.piece->size(), PROT_READ | PROT_WRITE,
+            [[maybe_unused]] void* const zeros =
+                ::mmap(one.column->data(), one.piece->size(), PROT_READ | PROT_WRITE,
                    MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1, 0);
         }
     }

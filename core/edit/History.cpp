@@ -22,7 +22,7 @@ namespace punctum
 namespace
 {
 
-constexpr PointIndex kGrain = 1 << 16;
+constexpr PointIndex kCompareGrain = 1 << 16;
 
 /// Points whose value of the attribute differs between the column and these values of it, without those of
 /// `leftOut` (null: none).
@@ -43,7 +43,7 @@ PointIndex countDifferent(const Attribute& attribute, std::span<const std::byte>
         return ((x ^ y) & mask) != 0;
     };
     const PointIndex n = tbb::parallel_reduce(
-        tbb::blocked_range<PointIndex>(0, column.size(), kGrain), PointIndex(0),
+        tbb::blocked_range<PointIndex>(0, column.size(), kCompareGrain), PointIndex(0),
         [&](const tbb::blocked_range<PointIndex>& r, PointIndex sum) {
             if (!progress.cancelled())
                 for (PointIndex i = r.begin(); i != r.end(); ++i) sum += differs(i) ? 1 : 0;
@@ -249,6 +249,7 @@ std::optional<std::vector<AttributeChange>> History::changes(Progress& progress)
 
     std::vector<AttributeChange> found;
     const PointIndex deleted = m_cloud->deleted() ? m_cloud->deleted()->count() : 0;
+    found.reserve(replaced.size());
     for (const std::string& name : replaced) found.push_back({name, m_cloud->size() - deleted});
     for (const auto& column : columns) {
         const std::size_t bytes = std::size_t(column->size()) * column->elementBytes();

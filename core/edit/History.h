@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/cloud/AttributeChange.h"
 #include "core/edit/Command.h"
 #include "core/edit/HistoryRoom.h"
 
@@ -17,13 +18,6 @@ namespace punctum
 class Journal;
 class Progress;
 class SpillFile;
-
-/// An attribute, and how many points have another value of it than before.
-struct AttributeChange {
-    std::string attribute;
-    PointIndex points = 0;
-    friend bool operator==(const AttributeChange&, const AttributeChange&) = default;
-};
 
 /// The commands done to one cloud, in order, and how many of them are in force.
 ///

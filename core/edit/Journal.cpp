@@ -216,7 +216,7 @@ std::filesystem::path setJournalAside(const std::filesystem::path& path)
 {
     constexpr int kMost = 1000;
     for (int k = 1; k <= kMost; ++k) {
-        const std::filesystem::path aside = path.string() + (k == 1 ? "" : "-" + std::to_string(k)) + ".declined";
+        std::filesystem::path aside = path.string() + (k == 1 ? "" : "-" + std::to_string(k)) + ".declined";
         if (::link(path.c_str(), aside.c_str()) == 0) {
             ::unlink(path.c_str());
             return aside;

@@ -58,10 +58,10 @@ public:
         if (!a.noData) return;
         std::visit(
             [&](auto v) {
-                if constexpr (std::is_floating_point_v<T> || std::is_integral_v<decltype(v)>)
-                    m_none = T(v);
-                else if (v >= double(m_low) && v <= double(m_high) && v == std::floor(v))
-                    m_none = T(v);
+                bool fits = true;
+                if constexpr (!std::is_floating_point_v<T> && !std::is_integral_v<decltype(v)>)
+                    fits = v >= double(m_low) && v <= double(m_high) && v == std::floor(v);
+                if (fits) m_none = T(v);
             },
             *a.noData);
     }

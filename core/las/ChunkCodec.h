@@ -53,6 +53,10 @@ struct LazInfo {
 
 constexpr const char* kLaszipUser = "laszip encoded";
 constexpr std::uint16_t kLaszipRecordId = 22204;
+inline bool isLaszip(const Vlr& vlr)
+{
+    return vlr.is(kLaszipUser, kLaszipRecordId);
+}
 
 /// Why a layered chunk cannot be decoded: its own count and layer sizes are checked against `count` and its bytes,
 /// which LASzip does not do. Empty when it can.

@@ -16,7 +16,7 @@ namespace
 {
 
 constexpr std::size_t kTableHead = 8;  ///< version, number of chunks
-constexpr std::size_t kPointerBytes = 8;
+constexpr std::size_t kTablePointer = 8;
 constexpr std::uint64_t kMostPoints = ChunkProbe::kMostPoints;
 constexpr std::uint64_t kMostPointsAByte = 4096;
 
@@ -47,7 +47,7 @@ public:
     {
         if (m_info.compressor == LazInfo::Pointwise) {
             pointwise();
-        } else if (m_end - m_begin < kPointerBytes) {
+        } else if (m_end - m_begin < kTablePointer) {
             if (stated() != 0) throw Error(m_file.path(), "The file ends before its points.", m_begin);
             m_list.end = m_begin;
         } else if (!fromTable()) {
@@ -90,9 +90,9 @@ private:
     bool fromTable()
     {
         auto position = readValue<std::int64_t>(m_file, m_begin);
-        if (position == -1 && m_end - m_begin >= 2 * kPointerBytes)
-            position = readValue<std::int64_t>(m_file, m_end - kPointerBytes);  // written to a stream without seeks
-        const std::uint64_t chunksBegin = m_begin + kPointerBytes;
+        if (position == -1 && m_end - m_begin >= 2 * kTablePointer)
+            position = readValue<std::int64_t>(m_file, m_end - kTablePointer);  // written to a stream without seeks
+        const std::uint64_t chunksBegin = m_begin + kTablePointer;
         if (position < 0 || std::uint64_t(position) < chunksBegin || std::uint64_t(position) > m_end) return false;
         const auto tableAt = std::uint64_t(position);
         m_tableAt = tableAt;
@@ -233,7 +233,7 @@ private:
     }
     std::uint64_t walkLayered(std::uint64_t end, bool untilAllFound)
     {
-        std::uint64_t at = m_begin + kPointerBytes, points = 0;
+        std::uint64_t at = m_begin + kTablePointer, points = 0;
         std::vector<std::byte> head(headBytes());
         m_list.chunks.clear();
         while (at < end && end - at >= head.size() && (!untilAllFound || points < stated())) {
@@ -287,7 +287,7 @@ private:
     }
     Walk walkChunked(std::uint64_t end) const
     {
-        Walk walk{{}, m_begin + kPointerBytes, false};
+        Walk walk{{}, m_begin + kTablePointer, false};
         std::uint64_t points = 0;
         bool whole = true;
         while (whole && points < stated() && walk.end < end) {

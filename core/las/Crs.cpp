@@ -36,7 +36,7 @@ std::string wktText(const Vlr& record)
 }
 
 /// Whether people can read it, at least.
-bool printable(const std::string& text)
+bool isPlainText(const std::string& text)
 {
     return text.find('[') != std::string::npos && std::all_of(text.begin(), text.end(), [](char ch) {
                const auto c = static_cast<unsigned char>(ch);
@@ -115,7 +115,7 @@ std::string firstOf(PROJ_STRING_LIST list)
 {
     constexpr std::size_t kLongest = 80;
     const std::string text = list != nullptr && *list != nullptr ? *list : "";
-    return text.size() <= kLongest && text.find('\n') == std::string::npos && printable(text + "[") ? text : "";
+    return text.size() <= kLongest && text.find('\n') == std::string::npos && isPlainText(text + "[") ? text : "";
 }
 
 /// What a record of WKT says. `info` is left as it is when that is nothing.
@@ -245,7 +245,7 @@ CrsInfo readCrs(const SourceFile& source)
         const std::string text = wkt != nullptr ? wktText(*wkt) : std::string();
         const bool damaged = keysRecord != nullptr && !keysRecord->data.empty() && !keys->sound();
         if (!text.empty() || damaged) info.warnings.push_back(notUnderstood(reason));
-        if (printable(text)) info.text = text;
+        if (isPlainText(text)) info.text = text;
     } else if (wktFirst && !reason.empty()) {
         info.warnings.push_back("The coordinate system in WKT cannot be understood (" + reason +
                                 "); its GeoTIFF keys are used.");

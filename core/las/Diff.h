@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/edit/History.h"
+#include "core/cloud/AttributeChange.h"
 #include "core/las/Difference.h"
 #include "core/las/Writer.h"
 

@@ -196,6 +196,7 @@ std::string summary(const Difference& d)
             changed.push_back({x.points, {x.name}});
         }
     }
+    parts.reserve(parts.size() + changed.size());
     for (const auto& [points, names] : changed) parts.push_back(list(names) + " of " + pointsText(points));
     if (!added.empty()) parts.push_back("new: " + list(added));
     if (!removed.empty()) parts.push_back("no longer there: " + list(removed));

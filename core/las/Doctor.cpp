@@ -29,11 +29,6 @@ constexpr std::uint8_t kOverlapClass = 12;
 constexpr double kCoarseDegrees = 1e-5;  ///< a step of a meter
 constexpr double kHalfStep = 0.5;
 
-std::string number(std::uint64_t n)
-{
-    return std::to_string(n);
-}
-
 /// "1 point has", "3 points have".
 std::string pointsHave(std::uint64_t n)
 {
@@ -98,11 +93,12 @@ private:
         const std::uint64_t first = m_h.extendedCounts() ? m_h.get(at::kPointCount) : classic;
         const std::uint64_t wanted = legacy ? points : 0;
         if (first != points)
-            findRepairable("The header says " + number(first) + " points, the file holds " + number(points) + ".",
+            findRepairable("The header says " + std::to_string(first) + " points, the file holds " +
+                               std::to_string(points) + ".",
                            "The header's count becomes " + grouped(points) + ".");
         else if (classic != wanted)
-            findRepairable("The header's legacy count is " + number(classic) + ", where it has to be " +
-                               number(wanted) + (legacy ? "." : " for this point format."),
+            findRepairable("The header's legacy count is " + std::to_string(classic) + ", where it has to be " +
+                               std::to_string(wanted) + (legacy ? "." : " for this point format."),
                            "The legacy count becomes " + grouped(wanted) + ".");
         mended().set(at::kLegacyCount, std::uint32_t(wanted));
         if (m_h.extendedCounts()) mended().set(at::kPointCount, points);
@@ -214,9 +210,9 @@ private:
             }
         }
         if (there != 0 && start != at) {
-            findRepairable("The header says that the extended records (EVLRs) begin at byte " + number(start) +
-                               "; they begin at " + number(at) + ".",
-                           "The header's position becomes " + number(at) + ".");
+            findRepairable("The header says that the extended records (EVLRs) begin at byte " +
+                               std::to_string(start) + "; they begin at " + std::to_string(at) + ".",
+                           "The header's position becomes " + std::to_string(at) + ".");
             mended().set(at::kEvlrStart, at);
         }
         if (m_s.waveformEvlr) {
@@ -224,7 +220,7 @@ private:
             for (std::size_t k = 0; k < *m_s.waveformEvlr; ++k) wave += m_s.evlrs[k].bytesInFile();
             if (m_h.get(at::kWaveformStart) != wave) {
                 findRepairable("The header's position of the waveforms is not where they are.",
-                               "It becomes " + number(wave) + ".");
+                               "It becomes " + std::to_string(wave) + ".");
                 mended().set(at::kWaveformStart, wave);
             }
         }
@@ -239,7 +235,7 @@ private:
                 const bool meant = (user == "LASF_Spec" && vlr.recordId == kExtraBytesRecordId) ||
                                    (user != "LASF_Spec" && user != geo::kUser && user != "liblas");
                 if (meant || seen.insert({user, vlr.recordId}).second) continue;
-                find("There is more than one record " + user + "/" + number(vlr.recordId) + ".",
+                find("There is more than one record " + user + "/" + std::to_string(vlr.recordId) + ".",
                      "Programs differ in which of them they take; the one that is wrong has to go.");
             }
     }
@@ -254,10 +250,10 @@ private:
         const bool says = m_h.says(encoding::kWkt);
         if (!says && extended && (wkt != nullptr || keys == nullptr))
             setBit(encoding::kWkt, true,
-                   "Point format " + number(m_s.layout.format) +
+                   "Point format " + std::to_string(m_s.layout.format) +
                        " asks for a coordinate system in WKT, but the header does not announce one.");
         else if (!says && extended)
-            find("Point format " + number(m_s.layout.format) +
+            find("Point format " + std::to_string(m_s.layout.format) +
                      " asks for a coordinate system in WKT, and the file has GeoTIFF keys alone.",
                  "Write the system as WKT; most programs read the keys all the same.");
         else if (!says && wkt != nullptr && keys == nullptr && m_h.versionMinor() >= 4)
@@ -351,8 +347,8 @@ private:
         if (day == 0 && year == 0)
             find("The header does not say when the file was made.", "Nobody but its maker can know.");
         else if (day == 0 || day > 366 || year < 1980 || int(year) > today + 1)
-            find("The file is said to be made on day " + number(day) + " of the year " + number(year) +
-                     ", which cannot be.",
+            find("The file is said to be made on day " + std::to_string(day) + " of the year " +
+                     std::to_string(year) + ", which cannot be.",
                  "Nobody but its maker can know.");
     }
 
@@ -361,13 +357,13 @@ private:
         const std::uint8_t f = m_s.layout.format;
         const int least = f >= 6 ? 4 : f >= 4 ? 3 : f >= 2 ? 2 : 0;
         if (m_h.versionMinor() < least)
-            find("Point format " + number(f) + " does not exist in LAS " + m_h.version() + ".",
-                 "\"punctum convert --las-version 1." + number(std::uint64_t(least)) +
+            find("Point format " + std::to_string(f) + " does not exist in LAS " + m_h.version() + ".",
+                 "\"punctum convert --las-version 1." + std::to_string(std::uint64_t(least)) +
                      "\" writes a version that has it.");
         if (m_h.headerSize() < standardHeaderSize(m_h.versionMinor()))
             find("The header of LAS " + m_h.version() + " should have " +
-                     number(standardHeaderSize(m_h.versionMinor())) + " bytes, but has " +
-                     number(m_h.headerSize()) + ".",
+                     std::to_string(standardHeaderSize(m_h.versionMinor())) + " bytes, but has " +
+                     std::to_string(m_h.headerSize()) + ".",
                  "\"punctum convert\" writes a whole one.");
         if (m_f.points == 0 && complete()) find("The file has no points.", "There is nothing to mend.");
     }
@@ -458,7 +454,7 @@ private:
         for (unsigned code = first; code < (extended ? 64u : 32u); ++code) {
             if (m_f.classes[code] == 0 || (!extended && !classNameOf(code).empty())) continue;
             reserved += m_f.classes[code];
-            codes += (codes.empty() ? "" : ", ") + number(code);
+            codes += (codes.empty() ? "" : ", ") + std::to_string(code);
         }
         if (reserved != 0)
             find(pointsHave(reserved) + " classes that are reserved: " + codes + ".",
@@ -485,14 +481,14 @@ private:
                 find("Two attributes of extra bytes have the name \"" + name + "\".", "Rename one of them.");
         }
         if (problems.empty() && described < m_s.layout.length)
-            find(number(m_s.layout.length - described) + " bytes of each point are not described.",
+            find(std::to_string(m_s.layout.length - described) + " bytes of each point are not described.",
                  "They are kept; who knows what they mean can describe them.");
     }
 
     void colors()
     {
         if (m_f.colorBits != 0 && m_f.colorBits < 256)
-            find("Colors go up to " + number(m_f.colorBits) +
+            find("Colors go up to " + std::to_string(m_f.colorBits) +
                      " at most: they are of 8 bits, where 16 are asked for.",
                  "Multiply them by 257: --step 'set rule=\"Red = Red * 257\"', and likewise Green and Blue.");
     }

@@ -14,7 +14,7 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::size_t kNameAt = 4, kDescriptionAt = 160, kTextSize = 32;
+constexpr std::size_t kDescriptionAt = 160;
 constexpr std::size_t kScaleAt = 112, kOffsetAt = 136;
 
 bool isUtf8(std::string_view text)
@@ -29,7 +29,7 @@ bool isUtf8(std::string_view text)
 
 void putText(ExtraBytesDescriptor& d, std::size_t at, const std::string& text)
 {
-    const std::string cut = cutUtf8(text, kTextSize);
+    const std::string cut = cutUtf8(text, kDescriptorText);
     std::memcpy(d.bytes.data() + at, cut.data(), cut.size());
 }
 
@@ -73,12 +73,12 @@ std::string cutUtf8(const std::string& text, std::size_t bytes)
 
 std::string ExtraBytesDescriptor::name() const
 {
-    return fixedText(std::span(bytes).subspan(kNameAt, kTextSize));
+    return fixedText(std::span(bytes).subspan(kDescriptorNameAt, kDescriptorText));
 }
 
 std::string ExtraBytesDescriptor::description() const
 {
-    return fixedText(std::span(bytes).subspan(kDescriptionAt, kTextSize));
+    return fixedText(std::span(bytes).subspan(kDescriptionAt, kDescriptorText));
 }
 
 std::uint64_t ExtraBytesDescriptor::bits(std::size_t at, std::size_t k) const
@@ -99,7 +99,7 @@ ExtraBytesDescriptor makeDescriptor(const ExtraBytesField& field)
     ExtraBytesDescriptor d;
     d.bytes[2] = std::byte(int(field.type) + 1);
     d.bytes[3] = std::byte((field.scale ? 8 : 0) | (field.offset ? 16 : 0));
-    putText(d, kNameAt, field.name);
+    putText(d, kDescriptorNameAt, field.name);
     putText(d, kDescriptionAt, field.description);
     if (field.scale) putNumber(d, kScaleAt, *field.scale);
     if (field.offset) putNumber(d, kOffsetAt, *field.offset);
@@ -110,7 +110,7 @@ ExtraBytesDescriptor makeOpaqueDescriptor(std::uint8_t length, const std::string
 {
     ExtraBytesDescriptor d;
     d.bytes[3] = std::byte(length);
-    putText(d, kNameAt, name);
+    putText(d, kDescriptorNameAt, name);
     return d;
 }
 

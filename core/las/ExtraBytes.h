@@ -17,6 +17,8 @@ namespace punctum::las
 struct Vlr;
 
 constexpr std::uint16_t kExtraBytesRecordId = 4;  ///< of user LASF_Spec
+// Places in a descriptor, in bytes (LAS 1.4 R15, table 24).
+constexpr std::size_t kDescriptorNameAt = 4, kDescriptorNoDataAt = 40, kDescriptorText = 32;
 
 /// What is asked for when extra bytes are added to a record: one scalar a point.
 struct ExtraBytesField {

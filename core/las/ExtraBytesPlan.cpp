@@ -13,7 +13,6 @@ namespace
 {
 
 constexpr std::size_t kLongestRun = 255;  ///< of bytes without a description, in one descriptor
-constexpr std::size_t kNameAt = 4, kNameBytes = 32, kNoDataAt = 40;
 
 class Planner
 {
@@ -132,9 +131,9 @@ private:
 
     static ExtraBytesDescriptor named(ExtraBytesDescriptor d, const std::string& name)
     {
-        const std::string cut = cutUtf8(name, kNameBytes);
-        std::fill_n(d.bytes.begin() + kNameAt, kNameBytes, std::byte(0));
-        std::memcpy(d.bytes.data() + kNameAt, cut.data(), cut.size());
+        const std::string cut = cutUtf8(name, kDescriptorText);
+        std::fill_n(d.bytes.begin() + kDescriptorNameAt, kDescriptorText, std::byte(0));
+        std::memcpy(d.bytes.data() + kDescriptorNameAt, cut.data(), cut.size());
         return d;
     }
 
@@ -152,7 +151,7 @@ private:
         ExtraBytesDescriptor d = makeDescriptor(field);
         if (shown->noData) {
             d.bytes[3] |= std::byte(1);
-            std::visit([&](auto v) { std::memcpy(d.bytes.data() + kNoDataAt, &v, 8); }, *shown->noData);
+            std::visit([&](auto v) { std::memcpy(d.bytes.data() + kDescriptorNoDataAt, &v, 8); }, *shown->noData);
         }
         return d;
     }

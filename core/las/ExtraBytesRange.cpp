@@ -15,7 +15,7 @@ namespace
 {
 
 constexpr unsigned kMinBit = 2, kMaxBit = 4;
-constexpr std::size_t kOptionsAt = 3, kNoDataAt = 40, kMinAt = 64, kMaxAt = 88;
+constexpr std::size_t kOptionsAt = 3, kMinAt = 64, kMaxAt = 88;
 
 template <typename T>
 struct Extremes {
@@ -73,7 +73,7 @@ std::vector<ExtraBytesRange> extraBytesRanges(const PointCloud& cloud, const Sou
                 using T = decltype(zero);
                 const auto* v = reinterpret_cast<const T*>(column->data());
                 const bool hasNone = item.descriptor.hasNoData();
-                const std::uint64_t none = item.descriptor.bits(kNoDataAt, c);
+                const std::uint64_t none = item.descriptor.bits(kDescriptorNoDataAt, c);
                 const auto found = reducePoints<Extremes<T>>(points, progress, [&](Extremes<T>& e, PointRange r) {
                     for (PointIndex i = r.first; i < r.last; ++i) {
                         if constexpr (std::is_floating_point_v<T>)

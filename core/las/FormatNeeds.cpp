@@ -15,9 +15,6 @@ namespace punctum::las
 namespace
 {
 
-constexpr double kScanAngleStep = 0.006;
-constexpr std::uint8_t kOverlapClass = 12;
-
 /// How many points have each kind of value that a format cannot hold.
 struct Misfits {
     enum Kind { Class, Returns, Overlap, Channel, Angle, Gps, Color, Nir, Waveform, kKinds };

@@ -10,7 +10,6 @@ namespace
 {
 
 using Type = HeaderField::Type;
-using Kind = HeaderField::Kind;
 
 template <typename T>
 constexpr Type typeOf()
@@ -34,7 +33,7 @@ constexpr Type typeOf()
 /// A row of the table; what the field itself says of its place is not said again.
 template <typename T, std::size_t Count>
 constexpr HeaderField row(const char* name, const char* group, at::Field<T, Count> field, std::uint8_t since = 0,
-                          Kind kind = Kind::Content, std::uint8_t mask = 0xFF)
+                          HeaderField::Kind kind = HeaderField::Kind::Content, std::uint8_t mask = 0xFF)
 {
     return {name, group, typeOf<T>(), kind, field.offset, sizeof(T), Count, since, mask};
 }
@@ -50,9 +49,9 @@ constexpr HeaderField kFields[] = {
     row("creation_day", "creation date", at::kCreationDay),
     row("creation_year", "creation date", at::kCreationYear),
     row("header_size", "header size", at::kHeaderSize),
-    row("point_data_offset", "container", at::kPointOffset, 0, Kind::Place),
-    row("vlr_count", kRecordNumbers, at::kVlrCount, 0, Kind::Place),
-    row("point_format", "point format", at::kPointFormat, 0, Kind::Content, 0x3F),
+    row("point_data_offset", "container", at::kPointOffset, 0, HeaderField::Kind::Place),
+    row("vlr_count", kRecordNumbers, at::kVlrCount, 0, HeaderField::Kind::Place),
+    row("point_format", "point format", at::kPointFormat, 0, HeaderField::Kind::Content, 0x3F),
     row("record_length", "record length", at::kRecordLength),
     row("legacy_point_count", "point counts", at::kLegacyCount),
     row("legacy_points_by_return", "points by return", at::kLegacyByReturn),
@@ -68,8 +67,8 @@ constexpr HeaderField kFields[] = {
     row("min_y", "bounds", at::kMin[1]),
     row("max_z", "bounds", at::kMax[2]),
     row("min_z", "bounds", at::kMin[2]),
-    row("waveform_start", "positions", at::kWaveformStart, 3, Kind::Place),
-    row("evlr_start", "positions", at::kEvlrStart, 4, Kind::Place),
+    row("waveform_start", "positions", at::kWaveformStart, 3, HeaderField::Kind::Place),
+    row("evlr_start", "positions", at::kEvlrStart, 4, HeaderField::Kind::Place),
     row("evlr_count", kRecordNumbers, at::kEvlrCount, 4),
     row("point_count", "point counts", at::kPointCount, 4),
     row("points_by_return", "points by return", at::kByReturn, 4),

@@ -13,7 +13,7 @@ namespace
 using namespace std::string_view_literals;
 
 /// A kind of file: the bytes that stand at a place in it, what it is called, and what to do with it.
-struct Kind {
+struct Signature {
     std::string_view bytes;
     std::string_view name;
     std::string_view advice = {};
@@ -23,7 +23,7 @@ struct Kind {
 constexpr std::string_view kUnpack = "unpack it first";
 constexpr std::string_view kConvert = "convert it to LAS or LAZ first";
 
-constexpr Kind kKinds[] = {
+constexpr Signature kSignatures[] = {
     {"version https://git-lfs.github.com/spec/"sv, "a pointer of Git LFS to one",
      "get the file itself with git lfs pull"},
     {"/annex/objects/"sv, "a pointer of git-annex to one", "get the file itself with git annex get"},
@@ -81,7 +81,7 @@ std::string whatInstead(std::span<const std::byte> head)
     const auto isZero = [](char c) { return c == '\0'; };
     if (std::all_of(text.begin(), text.end(), isZero))
         return "This is not a LAS file: it begins with nothing but zero bytes, as after an interrupted copy.";
-    for (const Kind& kind : kKinds)
+    for (const Signature& kind : kSignatures)
         if (kind.at < text.size() && text.substr(kind.at).starts_with(kind.bytes))
             return sentence(kind.name, kind.advice);
 
@@ -91,7 +91,7 @@ std::string whatInstead(std::span<const std::byte> head)
     for (const std::string_view page : {"<!doctype html"sv, "<html"sv, "<head"sv, "<body"sv})
         if (beginsLike(text, page))
             return sentence("a web page", "the link or the login may have failed, so download the file again");
-    for (const Kind& kind : kKinds)
+    for (const Signature& kind : kSignatures)
         if (kind.at == 0 && text.starts_with(kind.bytes)) return sentence(kind.name, kind.advice);
     const bool printable = std::all_of(text.begin(), text.end(), [](char c) {
         return static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\r' || c == '\n';

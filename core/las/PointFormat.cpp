@@ -16,7 +16,6 @@ namespace punctum::las
 namespace
 {
 
-constexpr double kScanAngleStep = 0.006;  ///< degrees, formats 6-10 (LAS 1.4 R15, table 13)
 constexpr std::uint16_t kStandardLengths[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
 /// Builds a layout field by field, in the order of the record.

@@ -17,6 +17,8 @@ struct Vlr;
 
 /// Highest point data record format that exists (LAS 1.4 R15, table 16).
 constexpr std::uint8_t kLastPointFormat = 10;
+constexpr double kScanAngleStep = 0.006;    ///< degrees, formats 6-10 (LAS 1.4 R15, table 13)
+constexpr std::uint8_t kOverlapClass = 12;  ///< of formats 0-5, where 6-10 have a flag (table 9)
 
 /// One column's place in the point record.
 struct RecordField {

@@ -23,7 +23,7 @@ constexpr std::uint8_t kReturnContext[8][8] = {
     {9, 10, 11, 12, 13, 14, 15, 14}, {8, 9, 10, 11, 12, 13, 14, 15},
 };
 /// How many returns below the last one, by number of returns and return number.
-constexpr unsigned returnLevel(unsigned returns, unsigned number)
+constexpr unsigned returnLevelOf(unsigned returns, unsigned number)
 {
     return returns > number ? returns - number : number - returns;
 }
@@ -87,7 +87,7 @@ public:
         if ((changed & 32) != 0)
             v.returns = std::uint8_t(coder.likelySymbol(m_returnModels[v.returns], real.returns));
         const unsigned number = v.returns & 7, returns = (v.returns >> 3) & 7;
-        const unsigned context = kReturnContext[returns][number], level = returnLevel(returns, number);
+        const unsigned context = kReturnContext[returns][number], level = returnLevelOf(returns, number);
         if (changed != 0) {
             std::uint16_t& last = m_lastIntensity[context];
             if ((changed & 16) != 0)

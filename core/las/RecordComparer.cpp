@@ -21,8 +21,6 @@ namespace
 
 using Place = RecordComparer::Place;
 
-constexpr double kScanAngleStep = 0.006;  ///< degrees, formats 6-10 (LAS 1.4 R15, table 13)
-constexpr std::uint8_t kOverlapClass = 12;
 constexpr unsigned kClassicClassBits = 0x1F;
 constexpr std::size_t kClassicClassByte = 15;
 

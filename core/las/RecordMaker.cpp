@@ -12,8 +12,6 @@ namespace punctum::las
 namespace
 {
 
-constexpr double kScanAngleStep = 0.006;  ///< degrees, formats 6-10
-constexpr std::uint8_t kOverlapClass = 12;
 constexpr std::size_t kPiece = 4096;  ///< points converted at once
 
 /// Return number and number of returns of the formats 6-10 in the bits of the formats 0-5. Of more than 7 returns

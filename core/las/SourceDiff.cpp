@@ -88,11 +88,6 @@ void compareBytes(const std::string& what, std::span<const std::byte> a, std::sp
     d.bytes.push_back({what, a.size(), b.size(), std::uint64_t(at - a.begin())});
 }
 
-bool isLaszip(const Vlr& vlr)
-{
-    return vlr.is(kLaszipUser, kLaszipRecordId);
-}
-
 // -- records
 
 struct Listed {

@@ -36,11 +36,6 @@ constexpr std::size_t kSamplesToJudge = 32;  ///< fewer samples say little on th
 constexpr std::uint64_t kSector = 512;       ///< bytes; an interrupted copy lacks whole ones
 constexpr std::uint64_t kMostZeros = 16 << 20;
 
-std::string text(std::uint64_t n)
-{
-    return std::to_string(n);
-}
-
 class Parser
 {
 public:
@@ -92,8 +87,8 @@ private:
         Header& h = m_s.header;
         refuseOtherFiles();
         if (m_file.size() < kSmallestHeader) {
-            refuse("This is not a LAS file: it has " + text(m_file.size()) + " bytes, and a header needs " +
-                   text(kSmallestHeader) + ".");
+            refuse("This is not a LAS file: it has " + std::to_string(m_file.size()) +
+                   " bytes, and a header needs " + std::to_string(kSmallestHeader) + ".");
         }
         h.bytes.resize(kSmallestHeader);
         m_file.readAt(0, h.bytes);
@@ -101,30 +96,32 @@ private:
         if (h.versionMajor() != 1 || h.versionMinor() > kNewestMinor)
             refuse("LAS version " + h.version() + " is not supported.");
         if (size < kSmallestHeader)
-            refuse("The header size " + text(size) + " is less than " + text(kSmallestHeader) + ".");
+            refuse("The header size " + std::to_string(size) + " is less than " + std::to_string(kSmallestHeader) +
+                   ".");
         if (size > m_file.size())
-            refuse("The header size " + text(size) + " is beyond the end of the file (" + text(m_file.size()) +
-                   " bytes).");
+            refuse("The header size " + std::to_string(size) + " is beyond the end of the file (" +
+                   std::to_string(m_file.size()) + " bytes).");
         h.bytes.resize(size);
         m_file.readAt(0, h.bytes);
 
         const auto formatByte = h.get(at::kPointFormat);
         const std::uint8_t format = h.pointFormat();
         if ((formatByte & 0xC0) == 0xC0 || format > kLastPointFormat)
-            refuse("Point format " + text(formatByte & 0x7F) + " is not supported.");
+            refuse("Point format " + std::to_string(formatByte & 0x7F) + " is not supported.");
         if (h.recordLength() < standardRecordLength(format))
-            refuse("The point records are " + text(h.recordLength()) + " bytes long, but point format " +
-                   text(format) + " needs " + text(standardRecordLength(format)) + ".");
+            refuse("The point records are " + std::to_string(h.recordLength()) + " bytes long, but point format " +
+                   std::to_string(format) + " needs " + std::to_string(standardRecordLength(format)) + ".");
         if (h.pointOffset() < size || h.pointOffset() > m_file.size())
-            refuse("The point data starts at " + text(h.pointOffset()) + ", outside the file.");
+            refuse("The point data starts at " + std::to_string(h.pointOffset()) + ", outside the file.");
         m_s.compressed = h.compressed();
 
         if (h.versionMinor() > newestMinor(format))
-            warn("LAS " + h.version() + " has no point format " + text(format) +
+            warn("LAS " + h.version() + " has no point format " + std::to_string(format) +
                  "; the points are read all the same.");
         if (size < standardHeaderSize(h.versionMinor()))
-            warn("The header of LAS " + h.version() + " should have " + text(standardHeaderSize(h.versionMinor())) +
-                 " bytes, but has " + text(size) + "; the missing fields are taken as empty.");
+            warn("The header of LAS " + h.version() + " should have " +
+                 std::to_string(standardHeaderSize(h.versionMinor())) + " bytes, but has " + std::to_string(size) +
+                 "; the missing fields are taken as empty.");
     }
 
     /// False when no record can begin there.
@@ -155,7 +152,7 @@ private:
         for (std::uint32_t k = 0; k < announced; ++k) {
             Vlr vlr;
             if (!readRecord(offset, end, false, vlr)) {
-                warn(text(announced) + " variable length records are announced, " + text(k) +
+                warn(std::to_string(announced) + " variable length records are announced, " + std::to_string(k) +
                      " are found; the bytes after them are kept.");
                 break;
             }
@@ -228,14 +225,14 @@ private:
                 "The extended records begin inside the point data; the points are read and the records are "
                 "ignored.";
         else if (evlrCount != 0 && !usable)
-            trouble = "The " + text(evlrCount) + " extended records should begin at " + text(evlrStart) +
-                      ", where they cannot be; they are ignored.";
+            trouble = "The " + std::to_string(evlrCount) + " extended records should begin at " +
+                      std::to_string(evlrStart) + ", where they cannot be; they are ignored.";
         usable = usable && trouble.empty();
         const auto find = [&](std::uint64_t from) {
             const std::optional<std::uint64_t> found = findEvlrs(m_file, from, evlrCount);
             if (!found || *found == evlrStart) return;
-            warn("The extended records are not where the header says (at " + text(evlrStart) + ") but at " +
-                 text(*found) + "; they are read there.");
+            warn("The extended records are not where the header says (at " + std::to_string(evlrStart) +
+                 ") but at " + std::to_string(*found) + "; they are read there.");
             trouble.clear();
             usable = true;
             evlrStart = *found;
@@ -295,22 +292,22 @@ private:
         if (std::find(counts.begin(), counts.end(), held) != counts.end()) {
             m_s.pointCount = held;
             if (counts.size() > 1)
-                warn("The header's two point counts differ (" + text(counts[0]) + " and " + text(counts[1]) +
-                     "); the file holds " + text(held) + ".");
+                warn("The header's two point counts differ (" + std::to_string(counts[0]) + " and " +
+                     std::to_string(counts[1]) + "); the file holds " + std::to_string(held) + ".");
         } else {
             const std::uint64_t stated = counts.front();
             m_s.pointCount = stated < held ? recordsAfterAll(m_file, m_s, begin, stated, held) : held;
-            const std::string sentence =
-                "The header says " + text(stated) + " points, the file holds " + text(m_s.pointCount) + ".";
+            const std::string sentence = "The header says " + std::to_string(stated) + " points, the file holds " +
+                                         std::to_string(m_s.pointCount) + ".";
             if (m_s.pointCount < stated)
                 warnRecovered(sentence);
             else if (m_s.pointCount > stated)
                 warn(sentence);
             else if (counts.size() > 1)
-                warn("The header's two point counts differ (" + text(counts[0]) + " and " + text(counts[1]) +
-                     "); the first is used.");
+                warn("The header's two point counts differ (" + std::to_string(counts[0]) + " and " +
+                     std::to_string(counts[1]) + "); the first is used.");
             else if (stated == 0)
-                warn("The header says 0 points, and the " + text(end - begin) +
+                warn("The header says 0 points, and the " + std::to_string(end - begin) +
                      " bytes that follow do not look like any; they are kept.");
         }
         const std::uint64_t pointsEnd = begin + m_s.pointCount * length;
@@ -348,7 +345,7 @@ private:
         for (std::uint32_t k = 0; k < count; ++k) {
             Vlr vlr;
             if (!readRecord(offset, m_file.size(), true, vlr)) {
-                warnRecovered(text(count) + " extended records are announced, " + text(k) +
+                warnRecovered(std::to_string(count) + " extended records are announced, " + std::to_string(k) +
                               " are found; the bytes after them are kept.");
                 break;
             }
@@ -366,7 +363,7 @@ private:
         for (const std::string& sentence : crs.warnings) warn(sentence);
         m_s.setUnits(likelyUnits(crs.units, m_s.coordinates, m_s.firstBounds, m_s.warnings));
         if (isExtendedFormat(m_s.layout.format) && !m_s.header.says(encoding::kWkt))
-            warn("Point format " + text(m_s.layout.format) +
+            warn("Point format " + std::to_string(m_s.layout.format) +
                  " asks for a coordinate system in WKT, but the file does not announce one.");
         if (m_s.header.versionMinor() >= 5 && m_s.header.says(encoding::kTimeOffset) &&
             !m_s.header.says(encoding::kAdjustedGpsTime))
@@ -375,9 +372,9 @@ private:
                 "seconds "
                 "of the week.");
         if (m_s.layout.compatible)
-            warn("The file holds LAS 1.4 (point format " + text(m_s.layout.shownFormat()) +
-                 ") in the form of LAS " + m_s.header.version() + " (point format " + text(m_s.layout.format) +
-                 ", LASzip's compatibility mode); saving keeps that form.");
+            warn("The file holds LAS 1.4 (point format " + std::to_string(m_s.layout.shownFormat()) +
+                 ") in the form of LAS " + m_s.header.version() + " (point format " +
+                 std::to_string(m_s.layout.format) + ", LASzip's compatibility mode); saving keeps that form.");
         if (hasWaveform(m_s.layout.format) && m_s.header.says(encoding::kExternalWaveform)) describeWaveform();
     }
 

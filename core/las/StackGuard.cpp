@@ -21,22 +21,22 @@ constexpr std::size_t kHandlerStack = std::size_t(64) << 10;
 constexpr std::uintptr_t kBelow = std::uintptr_t(1) << 20, kAbove = std::uintptr_t(64) << 10;
 
 /// Where a thread goes on; null when it is not inside work().
-constinit thread_local sigjmp_buf* t_goOn = nullptr;
-constinit thread_local std::uintptr_t t_lowest = 0;
+constinit thread_local sigjmp_buf* threadGoesOn = nullptr;
+constinit thread_local std::uintptr_t threadLowest = 0;
 
-struct sigaction g_before;
+struct sigaction handlerBefore;
 
 void onFault(int signal, siginfo_t* info, void* context)
 {
     const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
-    if (t_goOn != nullptr && address + kBelow >= t_lowest && address < t_lowest + kAbove) siglongjmp(*t_goOn, 1);
+    if (threadGoesOn != nullptr && address + kBelow >= threadLowest && address < threadLowest + kAbove) siglongjmp(*threadGoesOn, 1);
     // Somebody else's: the handler before ours, or the end of the program when the fault happens again.
-    if ((g_before.sa_flags & SA_SIGINFO) != 0)
-        g_before.sa_sigaction(signal, info, context);
-    else if (g_before.sa_handler != SIG_DFL && g_before.sa_handler != SIG_IGN)
-        g_before.sa_handler(signal);
+    if ((handlerBefore.sa_flags & SA_SIGINFO) != 0)
+        handlerBefore.sa_sigaction(signal, info, context);
+    else if (handlerBefore.sa_handler != SIG_DFL && handlerBefore.sa_handler != SIG_IGN)
+        handlerBefore.sa_handler(signal);
     else
-        ::sigaction(signal, &g_before, nullptr);
+        ::sigaction(signal, &handlerBefore, nullptr);
 }
 
 void installHandler()
@@ -46,7 +46,7 @@ void installHandler()
     action.sa_sigaction = onFault;
     action.sa_flags = SA_SIGINFO | SA_ONSTACK | SA_NODEFER;
     sigemptyset(&action.sa_mask);
-    ::sigaction(SIGSEGV, &action, &g_before);
+    ::sigaction(SIGSEGV, &action, &handlerBefore);
 }
 
 /// The stack that the handler runs on, since the thread's own is full. For the life of the thread.
@@ -60,12 +60,12 @@ public:
         std::size_t size = 0;
         if (pthread_getattr_np(pthread_self(), &attributes) != 0) return;
         if (pthread_attr_getstack(&attributes, &lowest, &size) == 0)
-            t_lowest = reinterpret_cast<std::uintptr_t>(lowest);
+            threadLowest = reinterpret_cast<std::uintptr_t>(lowest);
         pthread_attr_destroy(&attributes);
 
         stack_t there{};
         if (::sigaltstack(nullptr, &there) == 0 && (there.ss_flags & SS_DISABLE) == 0) {
-            m_ready = t_lowest != 0;  // somebody else's (a sanitizer's) will do
+            m_ready = threadLowest != 0;  // somebody else's (a sanitizer's) will do
             return;
         }
         void* memory = ::mmap(nullptr, kHandlerStack, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -78,7 +78,7 @@ public:
             return;
         }
         m_memory = memory;
-        m_ready = t_lowest != 0;
+        m_ready = threadLowest != 0;
     }
     ~HandlerStack()
     {
@@ -106,21 +106,21 @@ bool runGuarded(void (*work)(void*), void* context)
         return true;
     }();
     thread_local const HandlerStack stack;
-    if (!installed || !stack.ready() || t_goOn != nullptr) {
+    if (!installed || !stack.ready() || threadGoesOn != nullptr) {
         work(context);
         return true;
     }
     /// Also when work() throws.
     struct Forget {
-        ~Forget() { t_goOn = nullptr; }
+        ~Forget() { threadGoesOn = nullptr; }
     };
     sigjmp_buf here;
     if (sigsetjmp(here, 0) != 0) {
-        t_goOn = nullptr;
+        threadGoesOn = nullptr;
         return false;
     }
     const Forget forget;
-    t_goOn = &here;
+    threadGoesOn = &here;
     work(context);
     return true;
 }

@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/Text.h"
+#include "core/las/ChunkCodec.h"
 #include "core/las/Compatible.h"
 #include "core/las/CrsPlan.h"
 #include "core/las/ExtraBytesPlan.h"
@@ -25,11 +26,6 @@ namespace
 
 constexpr const char* kLaxLeftOut = "The LAX spatial index is left out: it belongs to the old compressed file.";
 constexpr std::size_t kSpecialCountAt = 16, kSpecialStartAt = 24;  ///< in the laszip record
-
-std::string text(std::uint64_t n)
-{
-    return std::to_string(n);
-}
 
 const char* isOrAre(PointIndex n)
 {
@@ -67,11 +63,6 @@ void putVlr(std::vector<std::byte>& bytes, const Vlr& vlr)
         put(bytes, std::uint16_t(vlr.data.size()));
     put(bytes, vlr.description);
     bytes.insert(bytes.end(), vlr.data.begin(), vlr.data.end());
-}
-
-bool isLaszip(const Vlr& v)
-{
-    return v.is(kLaszipUser, kLaszipRecordId);
 }
 
 bool isLax(const Vlr& v)
@@ -160,7 +151,7 @@ private:
         FormatNeeds needs;
         if (!m_options.pointFormat) needs = findNeeds(m_cloud, *m_source, m_kept.ranges(), m_progress);
         m_format = m_options.pointFormat.value_or(needs.formatFor(before));
-        if (m_format > kLastPointFormat) refuse("There is no point format " + text(m_format) + ".");
+        if (m_format > kLastPointFormat) refuse("There is no point format " + std::to_string(m_format) + ".");
         const std::uint8_t minorBefore = m_header.versionMinor();
         m_minor = m_options.versionMinor.value_or(minorBefore);
         if (m_options.versionMinor) followVersion(before);
@@ -172,18 +163,20 @@ private:
             needs.reasons.push_back(grouped(m_points) + " points are more than it can count");
         if (m_minor < needed) {
             if (m_options.versionMinor)
-                refuse((many ? text(m_points) + " points need" : "Point format " + text(m_format) + " needs") +
-                       " LAS 1." + text(needed) + " or newer.");
+                refuse((many ? std::to_string(m_points) + " points need"
+                             : "Point format " + std::to_string(m_format) + " needs") +
+                       " LAS 1." + std::to_string(needed) + " or newer.");
             m_minor = needed;
         }
         if (!needs.reasons.empty())
             upgrade(needs.reasons, before, minorBefore);
         else if (m_minor != minorBefore && !m_options.versionMinor)
-            note("The file becomes LAS 1." + text(m_minor) + ", which point format " + text(m_format) + " needs.");
+            note("The file becomes LAS 1." + std::to_string(m_minor) + ", which point format " +
+                 std::to_string(m_format) + " needs.");
         if (m_format != before && m_minor > newestMinor(m_format)) {
             m_minor = newestMinor(m_format);
-            note("The file becomes LAS 1." + text(m_minor) + ", the last version that has point format " +
-                 text(m_format) + ".");
+            note("The file becomes LAS 1." + std::to_string(m_minor) + ", the last version that has point format " +
+                 std::to_string(m_format) + ".");
         }
         m_restructured = m_format != before || m_minor != minorBefore;
     }
@@ -192,16 +185,17 @@ private:
     void followVersion(std::uint8_t before)
     {
         if (m_minor < 2 || m_minor > kNewestMinor)
-            refuse("LAS 1." + text(m_minor) + " cannot be written; choose 1.2, 1.3, 1.4 or 1.5.");
+            refuse("LAS 1." + std::to_string(m_minor) + " cannot be written; choose 1.2, 1.3, 1.4 or 1.5.");
         if (m_options.pointFormat) {
             if (m_minor > newestMinor(m_format))
-                refuse("LAS 1." + text(m_minor) + " has no point format " + text(m_format) + ", only 6 to 10.");
+                refuse("LAS 1." + std::to_string(m_minor) + " has no point format " + std::to_string(m_format) +
+                       ", only 6 to 10.");
             return;
         }
         m_format = formatIn(m_format, m_minor);
         if (m_format != before)
-            note("The points become point format " + text(m_format) + ": LAS 1." + text(m_minor) +
-                 " has no point format " + text(before) + ".");
+            note("The points become point format " + std::to_string(m_format) + ": LAS 1." +
+                 std::to_string(m_minor) + " has no point format " + std::to_string(before) + ".");
     }
 
     /// What there is now does not fit the source's format: another one only if the user says so.
@@ -209,8 +203,9 @@ private:
     {
         std::string list;
         for (const std::string& reason : reasons) list += (list.empty() ? "" : ", ") + reason;
-        const std::string old = "Point format " + text(before) + " of LAS 1." + text(minorBefore);
-        const std::string now = "point format " + text(m_format) + " of LAS 1." + text(m_minor);
+        const std::string old =
+            "Point format " + std::to_string(before) + " of LAS 1." + std::to_string(minorBefore);
+        const std::string now = "point format " + std::to_string(m_format) + " of LAS 1." + std::to_string(m_minor);
         if (!m_options.upgrade)
             throw WriteQuestion(WriteQuestion::Kind::Upgrade, m_target,
                                 old + " cannot hold what the points are now: " + list + ".", now);
@@ -261,8 +256,8 @@ private:
         if (offset == kAdjusted) return times;
         std::uint64_t rounded = 0;
         auto shifted = shiftedTimes(*times, (offset - kAdjusted) * kSeconds, m_kept.ranges(), rounded, m_progress);
-        note("GPS times are counted as LAS 1." + text(m_minor) + " does: seconds less 1,000,000,000 instead of " +
-             grouped(std::uint64_t(offset * kSeconds)) + ".");
+        note("GPS times are counted as LAS 1." + std::to_string(m_minor) +
+             " does: seconds less 1,000,000,000 instead of " + grouped(std::uint64_t(offset * kSeconds)) + ".");
         if (rounded != 0)
             m_plan.losses.push_back({"a GPS time that is rounded when it is counted from another origin",
                                      "is rounded by a ten-millionth of a second or less", rounded});
@@ -330,9 +325,9 @@ private:
         for (const ExtraBytesDescriptor& d : descriptors) data.insert(data.end(), d.bytes.begin(), d.bytes.end());
         const bool large = data.size() > UINT16_MAX;
         if (large && m_minor < 4)
-            refuse(text(descriptors.size()) + " attributes are more than the " +
-                   text(UINT16_MAX / ExtraBytesDescriptor::kSize) + " that LAS 1." + text(m_minor) +
-                   " can describe; LAS 1.4 can.");
+            refuse(std::to_string(descriptors.size()) + " attributes are more than the " +
+                   std::to_string(UINT16_MAX / ExtraBytesDescriptor::kSize) + " that LAS 1." +
+                   std::to_string(m_minor) + " can describe; LAS 1.4 can.");
         bool placed = descriptors.empty();
         for (auto* list : {&m_vlrs, &m_plan.evlrs}) {
             for (std::size_t k = 0; k < list->size();) {
@@ -442,13 +437,14 @@ private:
                 waveform = stay.size();
                 stay.push_back(std::move(vlr));
             } else if (vlr.data.size() > UINT16_MAX) {
-                m_plan.losses.push_back({"the extended record " + vlr.user() + "/" + text(vlr.recordId) + " of " +
-                                             grouped(vlr.data.size()) + " bytes",
+                m_plan.losses.push_back({"the extended record " + vlr.user() + "/" + std::to_string(vlr.recordId) +
+                                             " of " + grouped(vlr.data.size()) + " bytes",
                                          "is left out", 0});
             } else {
+                note("The extended record " + vlr.user() + "/" + std::to_string(vlr.recordId) +
+                     " becomes an ordinary one.");
                 vlr.extended = false;
                 m_vlrs.push_back(std::move(vlr));
-                note("The extended record " + vlr.user() + "/" + text(vlr.recordId) + " becomes an ordinary one.");
             }
         }
         m_plan.evlrs = std::move(stay);
@@ -463,7 +459,8 @@ private:
         std::vector<Loss>& losses = m_plan.losses;
         for (Loss& loss : findLosses(m_cloud, *m_source, m_kept.ranges(), m_format, m_progress))
             losses.push_back(std::move(loss));
-        const std::string target = "point format " + text(m_format) + " of LAS 1." + text(m_minor);
+        const std::string target =
+            "point format " + std::to_string(m_format) + " of LAS 1." + std::to_string(m_minor);
         if (!losses.empty() && !m_options.lossy) {
             std::string list;
             for (const Loss& loss : losses) list += (list.empty() ? "" : ", ") + loss.text();
@@ -473,9 +470,9 @@ private:
         for (const Loss& loss : losses) note(sentence(loss));
         if (m_format == from) return;
         if (isExtendedFormat(m_format) && !hasGpsTime(from) && findColumn(m_cloud, "GpsTime") == nullptr)
-            note("Point format " + text(m_format) + " has a GPS time, which is 0 for all points.");
+            note("Point format " + std::to_string(m_format) + " has a GPS time, which is 0 for all points.");
         if (hasNir(m_format) && !hasNir(from) && findColumn(m_cloud, "NIR") == nullptr)
-            note("Point format " + text(m_format) + " has near infrared, which is 0 for all points.");
+            note("Point format " + std::to_string(m_format) + " has near infrared, which is 0 for all points.");
     }
 
     /// "34 points have a class above 31, which becomes class 1."
@@ -503,7 +500,8 @@ private:
         b.resize(standard);
         b.resize(standardHeaderSize(m_minor));
         b.insert(b.end(), user.begin(), user.end());
-        if (b.size() > UINT16_MAX) refuse("The header has too many user bytes for LAS 1." + text(m_minor) + ".");
+        if (b.size() > UINT16_MAX)
+            refuse("The header has too many user bytes for LAS 1." + std::to_string(m_minor) + ".");
         m_header.set(at::kHeaderSize, std::uint16_t(b.size()));
         m_header.set(at::kVersionMinor, m_minor);
         if (before < 2) m_header.set(at::kGlobalEncoding, 0);  // was a reserved field
@@ -629,7 +627,7 @@ private:
         setFigures();
         if (m_restructured) setSignature();
         if (const auto announced = m_header.get(at::kVlrCount); !m_made && announced != m_source->vlrs.size())
-            note("The header announced " + text(announced) +
+            note("The header announced " + std::to_string(announced) +
                  " variable length records; it says now how many there are.");
         m_header.set(at::kVlrCount, std::uint32_t(m_vlrs.size()));
         const auto formatByte = std::uint8_t(m_format | (m_options.compressed ? 0x80 : 0));

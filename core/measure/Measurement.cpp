@@ -87,6 +87,7 @@ std::vector<Quantity> quantitiesOf(MeasureKind kind, const std::vector<MeasuredP
     const std::size_t needed = pointsOf(kind);
     if (points.size() < (needed == 0 ? 3 : needed)) return {};
     std::vector<glm::dvec3> at;  // from the first point on: keeps the digits
+    at.reserve(points.size());
     for (const MeasuredPoint& p : points) at.push_back((p.world - points.front().world) * stretch);
     switch (kind) {
         case MeasureKind::Point: {

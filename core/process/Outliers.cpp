@@ -19,7 +19,7 @@ namespace punctum
 namespace
 {
 
-constexpr std::size_t kBlock = 1 << 16;  ///< points whose distances are added by one task
+constexpr std::size_t kSumBlock = 1 << 16;  ///< points whose distances are added by one task
 
 struct Sums {
     double sum = 0, squares = 0;
@@ -30,11 +30,11 @@ constexpr float kNone = -1;  ///< distance of a deleted point
 /// Sums of blocks, added in the order of the blocks: the same on any number of threads.
 Sums sumUp(const std::vector<float>& distances, const Progress& progress)
 {
-    std::vector<Sums> blocks((distances.size() + kBlock - 1) / kBlock);
+    std::vector<Sums> blocks((distances.size() + kSumBlock - 1) / kSumBlock);
     tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t b) {
         if (progress.cancelled()) return;
-        const std::size_t last = std::min(distances.size(), (b + 1) * kBlock);
-        for (std::size_t i = b * kBlock; i < last; ++i) {
+        const std::size_t last = std::min(distances.size(), (b + 1) * kSumBlock);
+        for (std::size_t i = b * kSumBlock; i < last; ++i) {
             if (distances[i] == kNone) continue;
             blocks[b].sum += double(distances[i]);
             blocks[b].squares += double(distances[i] * distances[i]);  // squared as a float, as PCL has it

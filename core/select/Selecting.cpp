@@ -22,7 +22,7 @@ namespace punctum
 namespace
 {
 
-constexpr std::size_t kBlock = 1024;  ///< points projected at a time: fills the first cache, and is vectorized
+constexpr std::size_t kProjected = 1024;  ///< points projected at a time: fills the first cache, and is vectorized
 
 /// Projects blocks of points, and looks up their px.
 class RegionTest
@@ -39,10 +39,10 @@ public:
 
     bool empty() const noexcept { return m_box.empty(); }
 
-    /// 1 for the points inside; of kBlock values those behind points.size() are 0.
+    /// 1 for the points inside; of kProjected values those behind points.size() are 0.
     void test(PointRange points, std::uint8_t* flags) const
     {
-        alignas(64) std::array<double, kBlock> px, py, depth;
+        alignas(64) std::array<double, kProjected> px, py, depth;
         const PictureProjection& p = m_region.projection;
         const auto n = std::size_t(points.size());
         const std::int32_t *const x = m_x + points.first, *const y = m_y + points.first,
@@ -70,7 +70,7 @@ public:
         const auto width = std::size_t(m_region.mask.width());
         for (std::size_t k = 0; k < n; ++k)
             if (flags[k]) flags[k] = mask[std::size_t(py[k]) * width + std::size_t(px[k])];
-        std::fill(flags + n, flags + kBlock, std::uint8_t(0));
+        std::fill(flags + n, flags + kProjected, std::uint8_t(0));
     }
 
 private:
@@ -169,9 +169,9 @@ PointSet pointsIn(const Region& region, const PointCloud& cloud, const Touchable
     progress.begin("Selecting", cloud.size());
     if (inside.empty()) return points;
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
-        constexpr std::size_t kBlockWords = kBlock / 64;
+        constexpr std::size_t kBlockWords = kProjected / 64;
         const TouchTest touch(cloud, touchable);
-        alignas(64) std::array<std::uint8_t, kBlock> flags;
+        alignas(64) std::array<std::uint8_t, kProjected> flags;
         for (std::size_t w = firstWord; w < lastWord; w += kBlockWords) {
             const std::size_t end = std::min(lastWord, w + kBlockWords);
             inside.test({PointIndex(w) * 64, std::min(cloud.size(), PointIndex(end) * 64)}, flags.data());

@@ -90,11 +90,11 @@ void storeLines(const Element* const* members, std::int32_t* positions, std::uin
         const __m128 c = _mm_load_ps(reinterpret_cast<const float*>(members[k + 2]));
         const __m128 d = _mm_load_ps(reinterpret_cast<const float*>(members[k + 3]));
         const auto bits = [](__m128 v) { return _mm_castps_si128(v); };
-        const __m128 az_bx = _mm_shuffle_ps(a, b, _MM_SHUFFLE(0, 0, 2, 2));
-        const __m128 cz_dx = _mm_shuffle_ps(c, d, _MM_SHUFFLE(0, 0, 2, 2));
-        _mm_stream_si128(p, bits(_mm_shuffle_ps(a, az_bx, _MM_SHUFFLE(2, 0, 1, 0))));      // ax ay az bx
+        const __m128 firstPairs = _mm_shuffle_ps(a, b, _MM_SHUFFLE(0, 0, 2, 2));
+        const __m128 secondPairs = _mm_shuffle_ps(c, d, _MM_SHUFFLE(0, 0, 2, 2));
+        _mm_stream_si128(p, bits(_mm_shuffle_ps(a, firstPairs, _MM_SHUFFLE(2, 0, 1, 0))));      // ax ay az bx
         _mm_stream_si128(p + 1, bits(_mm_shuffle_ps(b, c, _MM_SHUFFLE(1, 0, 2, 1))));      // by bz cx cy
-        _mm_stream_si128(p + 2, bits(_mm_shuffle_ps(cz_dx, d, _MM_SHUFFLE(2, 1, 2, 0))));  // cz dx dy dz
+        _mm_stream_si128(p + 2, bits(_mm_shuffle_ps(secondPairs, d, _MM_SHUFFLE(2, 1, 2, 0))));  // cz dx dy dz
         const __m128 ab = _mm_unpackhi_ps(a, b), cd = _mm_unpackhi_ps(c, d);               // z z word word
         _mm_stream_si128(w, bits(_mm_shuffle_ps(ab, cd, _MM_SHUFFLE(3, 2, 3, 2))));
     }

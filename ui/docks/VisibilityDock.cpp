@@ -71,7 +71,7 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
     for (int axis = 0; axis < 3; ++axis) {
         fields->addWidget(dimLabel(QString(QChar(u'X' + axis))), axis, 0);
         for (int side = 0; side < 2; ++side) {
-            auto*& field = m_fields[std::size_t(axis + 3 * side)];
+            auto*& field = m_fields[std::size_t(axis) + 3 * std::size_t(side)];
             field = new NumberField;
             field->setMinimumWidth(60);
             field->setAccessibleName((side == 0 ? tr("Least %1") : tr("Most %1")).arg(QChar(u'X' + axis)));

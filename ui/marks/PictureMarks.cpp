@@ -15,7 +15,7 @@ namespace punctum::ui
 namespace
 {
 
-constexpr double kEdge = 12.0;  ///< px of the marks, between them and the picture's edge
+constexpr double kPictureEdge = 12.0;  ///< px of the marks, between them and the picture's edge
 constexpr double kUsualWidth = 1280.0, kUsualHeight = 800.0;  // px
 
 }  // namespace
@@ -41,7 +41,7 @@ void paintMarks(QImage& picture, const PictureMarks& marks)
         paintMeasurement(painter, measurement, marks.camera, logical, false);
     painter.restore();
 
-    const double edge = kEdge * scale, width = picture.width(), height = picture.height();
+    const double edge = kPictureEdge * scale, width = picture.width(), height = picture.height();
     double barRight = 0.0, barTop = height;
     if (marks.scaleBar || marks.northArrow) {
         ScaleBar bar = scaleBarOf(marks.camera, height, scale, marks.unit);

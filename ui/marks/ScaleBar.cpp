@@ -24,7 +24,7 @@ constexpr double kHeight = 48;
 constexpr double kArrowAt = 26;  // middle of the arrow, from the left
 constexpr double kBarLeft = 54;
 constexpr double kMostBar = 150;
-constexpr double kLeastWidth = 96;
+constexpr double kLeastBarWidth = 96;
 
 void paintArrow(QPainter& painter, double yaw, double height, const MarkStyle& style)
 {
@@ -102,7 +102,7 @@ QSizeF scaleBarSize(const ScaleBar& bar, const MarkStyle& style)
     if (!bar.bar) return QSizeF(bar.arrow ? 2 * kArrowAt : 0.0, kHeight) * style.scale;
     const double left = bar.arrow ? kBarLeft : kMarkMargin;
     const double text = QFontMetricsF(style.font).horizontalAdvance(bar.text);
-    return QSizeF(std::max(kLeastWidth, left + std::max(bar.length, text) + 16), kHeight) * style.scale;
+    return QSizeF(std::max(kLeastBarWidth, left + std::max(bar.length, text) + 16), kHeight) * style.scale;
 }
 
 void paintScaleBar(QPainter& painter, QPointF corner, const ScaleBar& bar, const MarkStyle& style)

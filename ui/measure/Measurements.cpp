@@ -57,7 +57,7 @@ std::vector<std::pair<QString, QString>> attributesOf(const PointCloud& cloud, P
 QString quantityText(const Quantity& quantity, const std::string& length)
 {
     const QString unit = toQString(unitText(quantity.unit, length));
-    const QString number =
+    QString number =
         localNumber(QString::number(quantity.value, 'f', quantity.unit == Quantity::Unit::Degrees ? 2 : 3));
     if (unit.isEmpty()) return number;
     return unit == QStringLiteral("°") ? number + unit : number + QLatin1Char(' ') + unit;

@@ -21,13 +21,13 @@ constexpr double kNearShare = 1e-3;                       // of the pivot's dept
 constexpr double kArrow = 9.0;                            // px
 constexpr double kRing = 7.0;                             // px
 constexpr double kHeightGap = 44.0, kDistanceGap = 90.0;  // px between two lines, at least
-constexpr double kMostLines = 500;                        // where a camera is absurdly far away
+constexpr double kMostGridLines = 500;                    // where a camera is absurdly far away
 const QColor kShadow(0, 0, 0, 150);
 const QColor kBand(92, 200, 255);
 const QColor kBandFill(92, 200, 255, 46);
-const QColor kGrid(255, 255, 255, 30);
+const QColor kGridColor(255, 255, 255, 30);
 const QColor kText(228, 232, 236);
-const QColor kPlate(12, 14, 16, 190);
+const QColor kAxisPlate(12, 14, 16, 190);
 
 /// The shortest round length that is not below `least`: neighbors among them differ by 2.5 times at most.
 double stepFrom(double least)
@@ -169,7 +169,7 @@ void paintRuler(QPainter& painter, const RulerMarks& marks, const render::Camera
         plate.moveCenter(center);
         plate.moveLeft(left ? center.x() : std::clamp(plate.left(), 2, std::max(2, width - plate.width() - 2)));
         painter.setPen(Qt::NoPen);
-        painter.setBrush(kPlate);
+        painter.setBrush(kAxisPlate);
         painter.drawRoundedRect(plate, 4, 4);
         painter.setPen(kText);
         painter.drawText(plate, Qt::AlignCenter, text);
@@ -179,10 +179,11 @@ void paintRuler(QPainter& painter, const RulerMarks& marks, const render::Camera
     const double top = eye.eye.z + height / 2.0 * heightOfPx, left = middle.x - width / 2.0 * unit;
     const double bottom = top - height * heightOfPx, right = left + width * unit;
     const double up = stepFrom(kHeightGap * heightOfPx), across = stepFrom(kDistanceGap * unit);
-    if (!(up > 0.0) || !(across > 0.0) || (top - bottom) / up > kMostLines || (right - left) / across > kMostLines)
+    if (!(up > 0.0) || !(across > 0.0) || (top - bottom) / up > kMostGridLines ||
+        (right - left) / across > kMostGridLines)
         return painter.restore();
     const double firstHeight = std::ceil(bottom / up) * up, firstPlace = std::ceil(left / across) * across;
-    painter.setPen(kGrid);
+    painter.setPen(kGridColor);
     for (double z = firstHeight; z <= top; z += up)
         painter.drawLine(QPointF(0, (top - z) / heightOfPx), QPointF(width, (top - z) / heightOfPx));
     for (double s = firstPlace; s <= right; s += across)

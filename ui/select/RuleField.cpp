@@ -16,7 +16,7 @@ namespace punctum::ui
 namespace
 {
 
-constexpr int kLeastLines = 2, kMostLines = 6;
+constexpr int kLeastLines = 2, kMostFieldLines = 6;
 
 /// Up to the end of the word, or the sign, that begins there.
 int endOfWord(const QString& text, int from)
@@ -47,7 +47,7 @@ QString RuleField::text() const
 
 void RuleField::adjustHeight()
 {
-    const int lines = std::clamp(int(document()->size().height()), kLeastLines, kMostLines);
+    const int lines = std::clamp(int(document()->size().height()), kLeastLines, kMostFieldLines);
     const int around = 2 * (frameWidth() + int(document()->documentMargin())) + 6;
     setFixedHeight(lines * fontMetrics().lineSpacing() + around);
 }

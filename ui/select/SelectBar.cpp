@@ -87,7 +87,8 @@ void SelectBar::addTool(SelectTools::Tool tool, const QString& text, const QStri
 void SelectBar::addActions()
 {
     m_select->addSeparator();
-    const auto add = [this](const QString& text, QKeySequence keys, const QString& tip, std::function<void()> act) {
+    const auto add = [this](const QString& text, const QKeySequence& keys, const QString& tip,
+                            std::function<void()> act) {
         m_menu.needsDocument(m_menu.add(m_select, text, {}, keys.isEmpty() ? QList<QKeySequence>() : QList{keys},
                                         tip, std::move(act)));
     };

@@ -298,7 +298,7 @@ void Selection::connectNeighbors(double distance)
 
 std::shared_ptr<Selection::Shot> Selection::takeShot(ViewRenderer& view)
 {
-    const auto shot = std::make_shared<Shot>();
+    auto shot = std::make_shared<Shot>();
     view.snapshot(active()->cloud(), this, [this, shot](const std::shared_ptr<const ViewSnapshot>& seen) {
         shot->answered = true;
         shot->view = seen;

@@ -2,8 +2,8 @@
 #include "render/raster/gl/GlBackend.h"
 
 #include "core/Error.h"
+#include "render/raster/gl/Shaders.h"
 #include "render/resolve/CpuResolve.h"
-#include "resources.h"
 #include "uniforms.h"
 
 #include <epoxy/gl.h>
@@ -39,11 +39,6 @@ static_assert(sizeof(ScatterEntry) == 12);
 GLuint kindOf(const LayerColors& colors)
 {
     return GLuint(colors.kind) | (colors.marked ? 8u : 0u);
-}
-
-std::string_view shader(std::string_view name)
-{
-    return resource("shaders/gl/" + std::string(name));
 }
 
 }  // namespace
@@ -273,6 +268,7 @@ void GlBackend::reproject(const FrameScene& scene)
 
     std::vector<ChunkPlace> all = places(scene);
     std::vector<PointId> firstIds;
+    firstIds.reserve(all.size());
     for (const ChunkPlace& place : all) firstIds.push_back(place.firstId);
     const auto bands = m_visibility->collect(firstIds, m_groupPoints.list);
     m_visibility->clear();
@@ -315,6 +311,7 @@ void GlBackend::scatter(const FrameScene& scene, const std::vector<bool>& layers
 {
     const std::vector<ChunkPlace> all = places(scene);
     std::vector<PointId> firstIds;
+    firstIds.reserve(all.size());
     for (const ChunkPlace& place : all) firstIds.push_back(place.firstId);
     std::vector<std::uint32_t> list;
     std::vector<ScatterEntry> entries;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "render/raster/gl/GlPicture.h"
 
+#include "render/raster/gl/Shaders.h"
 #include "render/resolve/EyeDome.h"
 #include "render/resolve/HoleFill.h"
-#include "resources.h"
 #include "uniforms.h"
 
 #include <epoxy/gl.h>
@@ -20,11 +20,6 @@ namespace
 
 // Texture units; those before are the visibility buffer's.
 constexpr GLenum kFirstUnit = GL_TEXTURE3, kSecondUnit = GL_TEXTURE4;
-
-std::string_view shader(std::string_view name)
-{
-    return resource("shaders/gl/" + std::string(name));
-}
 
 /// A program that runs over whole pictures.
 GlProgram whole(std::string_view name)

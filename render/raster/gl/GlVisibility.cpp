@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "render/raster/gl/GlVisibility.h"
 
-#include "resources.h"
+#include "render/raster/gl/Shaders.h"
 #include "uniforms.h"
 
 #include <epoxy/gl.h>
@@ -18,11 +18,6 @@ constexpr GLuint kGroup = 16;  ///< of the shaders that run over pixels, both wa
 GLuint groups(int pixels, GLuint group)
 {
     return (GLuint(pixels) + group - 1) / group;
-}
-
-std::string_view shader(std::string_view name)
-{
-    return resource("shaders/gl/" + std::string(name));
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ struct Variant {
     bool filter = false;
     bool pixels = false;
     int samples = 1;
-    friend auto operator<=>(const Variant&, const Variant&) = default;
+    friend auto operator<=>(const Variant&, const Variant&) = default;  // NOLINT(modernize-use-nullptr)
 };
 
 GlProgram makeProgram(const Variant& v)

@@ -18,7 +18,7 @@ namespace punctum::render
 namespace
 {
 
-std::string_view shader(std::string_view name)
+std::string_view pointsShader(std::string_view name)
 {
     return resource("shaders/gl_points/" + std::string(name));
 }
@@ -46,7 +46,7 @@ private:
     struct Variant {
         bool filter = false, circles = false;
         int averageOf = 0;  ///< samples, where it adds colors; else 0
-        friend auto operator<=>(const Variant&, const Variant&) = default;
+        friend auto operator<=>(const Variant&, const Variant&) = default;  // NOLINT(modernize-use-nullptr)
     };
     GlProgram makeProgram(const Variant& variant) const;
     /// Sets all but the layer; `adding`: colors to the sums, else points to the visibility buffer.
@@ -88,12 +88,12 @@ GlProgram GlPointsBackend::makeProgram(const Variant& variant) const
                                                          size,
                                                          resource("shaders/gl/clip.glsl"),
                                                          resource("shaders/gl/group.glsl"),
-                                                         shader("points.vert.glsl")};
+                                                         pointsShader("points.vert.glsl")};
     if (variant.averageOf == 0)
-        return GlProgram::graphics("points.vert", vertex, {head, size, shader("points.frag.glsl")});
-    return GlProgram::graphics(
-        "average.frag", vertex,
-        {head, shader("visibility.glsl"), resource("shaders/gl/color.glsl"), size, shader("average.frag.glsl")});
+        return GlProgram::graphics("points.vert", vertex, {head, size, pointsShader("points.frag.glsl")});
+    return GlProgram::graphics("average.frag", vertex,
+                               {head, pointsShader("visibility.glsl"), resource("shaders/gl/color.glsl"), size,
+                                pointsShader("average.frag.glsl")});
 }
 
 void GlPointsBackend::targetChanged()
@@ -107,8 +107,8 @@ void GlPointsBackend::targetChanged()
         // The picture's top is row 0 of the buffer, so both count from the same corner.
         GLfloat place[2]{};
         glGetMultisamplefv(GL_SAMPLE_POSITION, GLuint(s), place);
-        m_places[std::size_t(2 * s)] = GLint(place[0] * kSampleSteps);
-        m_places[std::size_t(2 * s) + 1] = GLint(place[1] * kSampleSteps);
+        m_places[2 * std::size_t(s)] = GLint(place[0] * kSampleSteps);
+        m_places[2 * std::size_t(s) + 1] = GLint(place[1] * kSampleSteps);
         m_otherSamples = m_otherSamples || place[0] * kSampleSteps != float(places[s][0]) ||
                          place[1] * kSampleSteps != float(places[s][1]);
     }
