@@ -4,6 +4,8 @@
 option(PUNCTUM_TESTS "Build the tests" ON)
 option(PUNCTUM_FUZZERS "Build the libFuzzer targets (needs clang)" OFF)
 option(PUNCTUM_COVERAGE "Count which lines and branches of core are reached (gcc; tests/coverage.sh)" OFF)
+option(PUNCTUM_CORE_ONLY "Only punctum-core and the tests that need no more: no Qt, no OpenGL" OFF)
+option(PUNCTUM_ASSERTS "Keep assertions in optimized builds: what is tested is what people get" ON)
 option(PUNCTUM_WERROR "Treat warnings as errors" ON)
 set(PUNCTUM_SANITIZER "" CACHE STRING "Sanitizers to build with: empty, address,undefined or thread")
 set(PUNCTUM_TEST_DATA "${PROJECT_SOURCE_DIR}/../shared/data" CACHE PATH
@@ -19,7 +21,13 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
+if(PUNCTUM_ASSERTS)
+  add_compile_options(-UNDEBUG)
+endif()
+
+# Objects are shared between clones: paths below the source folder are told relative.
 find_program(PUNCTUM_CCACHE ccache)
 if(PUNCTUM_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${PUNCTUM_CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+    ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${PUNCTUM_CCACHE})
 endif()

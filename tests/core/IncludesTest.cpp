@@ -4,11 +4,15 @@
 #include <QDir>
 #include <QDirIterator>
 #include <QFile>
+#include <QMap>
 #include <QRegularExpression>
 #include <QTemporaryDir>
 #include <QTest>
 
-namespace {
+#include <optional>
+
+namespace
+{
 
 const QStringList kLayers = {"core", "render", "ui", "app"};
 
@@ -25,12 +29,29 @@ bool isOpenGl(const QString& header)
 }
 
 /// Layer of a path from the project's root, or -1.
-qsizetype layerOf(const QString& path) { return kLayers.indexOf(path.section('/', 0, 0)); }
+qsizetype layerOf(const QString& path)
+{
+    return kLayers.indexOf(path.section('/', 0, 0));
+}
+
+/// Who may include whom inside the layers: the block "directions" of docs/dev/architecture.md, if it is there.
+std::optional<QMap<QString, QStringList>> directionsOf(const QString& root)
+{
+    QFile file(root + "/docs/dev/architecture.md");
+    if (!file.open(QIODevice::ReadOnly)) return std::nullopt;
+    const QString text = QString::fromUtf8(file.readAll());
+    QMap<QString, QStringList> table;
+    for (const QString& line :
+         text.section("```directions\n", 1).section("```", 0, 0).split('\n', Qt::SkipEmptyParts))
+        table[line.section(':', 0, 0)] = line.section(':', 1).split(' ', Qt::SkipEmptyParts);
+    return table;
+}
 
 /// One sentence for each rule broken by the files of `root`.
 QStringList findBreaches(const QString& root)
 {
     QStringList breaches;
+    const auto directions = directionsOf(root);
     static const QRegularExpression include("^\\s*#\\s*include\\s*[<\"]([^>\"]+)[>\"]");
     static const QRegularExpression linked("(Qt6::|\\bQt6\\b|EPOXY|OpenGL::|PkgConfig::EGL)");
     for (const QString& layer : kLayers) {
@@ -66,6 +87,10 @@ QStringList findBreaches(const QString& root)
                     header = QDir::cleanPath(path.section('/', 0, -2) + '/' + header);  // as the compiler finds it
                 if (own < 2 && isQt(header)) breaches += where + " includes Qt (" + header + ").";
                 if (own < 1 && isOpenGl(header)) breaches += where + " includes OpenGL (" + header + ").";
+                const QString folder = path.section('/', 0, -2), other = header.section('/', 0, -2);
+                if (directions && layerOf(header) == own && other != folder &&
+                    !directions->value(folder).contains(other))
+                    breaches += where + " includes " + other + ", to which no direction leads (" + header + ").";
                 if (layerOf(header) > own) breaches += where + " includes upward (" + header + ").";
                 if (header.startsWith("tests/")) breaches += where + " includes a test (" + header + ").";
             }
@@ -84,7 +109,8 @@ void write(const QString& path, const char* text)
 
 }  // namespace
 
-class IncludesTest : public QObject {
+class IncludesTest : public QObject
+{
     Q_OBJECT
 
 private slots:
@@ -92,6 +118,7 @@ private slots:
     void breachesAreFound_data();
     void breachesAreFound();
     void innocentLinesAreNotBreaches();
+    void directionsAreKept();
 };
 
 void IncludesTest::theProjectKeepsTheRules()
@@ -155,6 +182,22 @@ void IncludesTest::innocentLinesAreNotBreaches()
     write(root.path() + "/ui/C.cpp", "#include <QWidget>\n#include \"render/B.h\"\n#include \"core/A.h\"\n");
     write(root.path() + "/app/D.cpp", "#include <QApplication>\n#include \"ui/C.h\"\n");
     QCOMPARE(findBreaches(root.path()), QStringList());
+}
+
+void IncludesTest::directionsAreKept()
+{
+    QTemporaryDir root;
+    write(root.path() + "/docs/dev/architecture.md", "x\n```directions\ncore/a: core/b\ncore/b:\n```\ny\n");
+    write(root.path() + "/core/a/A.h", "#include \"core/b/B.h\"\n#include \"core/a/C.h\"\n");
+    write(root.path() + "/core/b/B.h", "#include <vector>\n");
+    QCOMPARE(findBreaches(root.path()), QStringList());
+    write(root.path() + "/core/b/B.h", "#include \"core/a/A.h\"\n");
+    QCOMPARE(findBreaches(root.path()),
+             QStringList("core/b/B.h:1 includes core/a, to which no direction leads (core/a/A.h)."));
+    write(root.path() + "/core/b/B.h", "#include <vector>\n");
+    write(root.path() + "/core/new/N.h", "#include \"core/b/B.h\"\n");
+    QCOMPARE(findBreaches(root.path()),
+             QStringList("core/new/N.h:1 includes core/b, to which no direction leads (core/b/B.h)."));
 }
 
 QTEST_APPLESS_MAIN(IncludesTest)

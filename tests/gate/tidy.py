@@ -1,0 +1,171 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Runs clang-tidy with .clang-tidy over all of our files, its findings being errors.
+
+    tidy.py CLANG_TIDY CLANG SOURCE_DIR BUILD_DIR [FOLDER...]
+
+Most of its time goes into the headers of libraries, so files of a folder are read together, as many as agree with each
+other: a batch that does not compile is tried again without the files that clang complains of, which form the next
+batch. What is reported is the place in the file itself. Exit 1 when there is any finding.
+"""
+import concurrent.futures
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+
+BATCH = 16
+# What only g++ knows, and what has no meaning without code being made.
+FOREIGN = re.compile(r"^-(W|O|f(pch|fp-contract)|m)")
+
+
+def flags_by_folder(build):
+    """Definitions, include paths and language of each target, by the folder of its CMakeLists.txt."""
+    flags = {}
+    with open(os.path.join(build, "compile_commands.json")) as file:
+        commands = json.load(file)
+    for entry in commands:
+        words = shlex.split(entry["command"])
+        output = words[words.index("-o") + 1]
+        folder, target = output.split("/CMakeFiles/", 1)
+        target = target.split("/", 1)[0]
+        kept, k = [], 0
+        words = words[next(i for i, w in enumerate(words) if w.endswith(("c++", "g++", "++", "clang++-14"))) + 1:]
+        while k < len(words):
+            word = words[k]
+            if word in ("-isystem", "-I", "-D"):
+                kept += words[k:k + 2]
+                k += 2
+                continue
+            if word in ("-include", "-o", "-MT", "-MF", "-Xclang"):
+                k += 2
+                continue
+            if word.startswith(("-I", "-D", "-std=")) and not FOREIGN.match(word):
+                kept.append(word)
+            k += 1
+        known = flags.setdefault(folder, [])
+        if not known:
+            known += kept
+        else:  # another target of the folder: what it sees beside the others
+            pairs = list(zip(kept, kept[1:])) if "-isystem" in kept else []
+            for i, word in enumerate(kept):
+                if word == "-isystem":
+                    if (word, kept[i + 1]) not in zip(known, known[1:]):
+                        known += kept[i:i + 2]
+                elif i and kept[i - 1] == "-isystem":
+                    continue
+                elif word not in known:
+                    known.append(word)
+            del pairs
+    return flags
+
+
+def sources_of(root, folder):
+    found = []
+    for path, _, names in os.walk(os.path.join(root, folder)):
+        found += [os.path.join(path, n) for n in names if n.endswith(".cpp")]
+    return sorted(found)
+
+
+def folder_of(path, root, folders):
+    """The innermost folder with a CMakeLists.txt that has targets."""
+    here = os.path.relpath(os.path.dirname(path), root)
+    while here and here not in folders:
+        here = os.path.dirname(here)
+    return here
+
+
+class Batch:
+    """Files that are read as one."""
+
+    def __init__(self, files, flags, scratch, number):
+        self.files = files
+        self.flags = flags
+        self.path = os.path.join(scratch, f"batch{number}.cpp")
+
+    def write(self):
+        with open(self.path, "w") as out:
+            for k, name in enumerate(self.files):
+                # every test has a main of its own
+                out.write(f'#define main main{k}\n#include "{name}"\n#undef main\n')
+
+
+def batches(files, flags, clang, scratch, counter):
+    """Splits files into batches that compile. A file that does not compile alone is a batch, and will be told."""
+    waiting = list(files)
+    while waiting:
+        batch, rest = waiting[:BATCH], waiting[BATCH:]
+        while True:
+            made = Batch(batch, flags, scratch, next(counter))
+            made.write()
+            if len(batch) == 1:
+                break
+            run = subprocess.run([clang, "-fsyntax-only", "-ferror-limit=0", "-w", *flags, made.path],
+                                 capture_output=True, text=True)
+            if run.returncode == 0:
+                break
+            blamed = [f for f in batch[1:] if re.search("^" + re.escape(f) + r":\d+:\d+: (fatal )?error",
+                                                        run.stderr, re.M)]
+            if not blamed:
+                blamed = batch[1:]
+            rest = blamed + rest
+            batch = [f for f in batch if f not in blamed]
+        yield made
+        waiting = rest
+
+
+def main():
+    tidy, clang, root, build, *only = sys.argv[1:]
+    root = os.path.realpath(root)
+    flags = flags_by_folder(build)
+    groups = {}
+    for top in only or ["core", "render", "ui", "app", "tests"]:
+        for path in sources_of(root, top):
+            groups.setdefault(folder_of(path, root, flags), []).append(path)
+
+    def numbers():
+        n = 0
+        while True:
+            yield n
+            n += 1
+
+    counter = numbers()
+    findings = set()
+    with tempfile.TemporaryDirectory() as scratch, \
+            concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        def check(batch):
+            run = subprocess.run(
+                [tidy, "--quiet", f"--config-file={root}/.clang-tidy", "--warnings-as-errors=*",
+                 "--checks=-bugprone-suspicious-include",  # a batch includes sources
+                 f"--header-filter=^{re.escape(root)}/(core|render|ui|app|tests)/", batch.path, "--",
+                 *batch.flags, "-w"], capture_output=True, text=True)
+            lines = run.stdout.splitlines()
+            told = [l.replace(root + "/", "") for l in lines if re.search(r": (warning|error): ", l)]
+            if run.returncode != 0 and not told:
+                told = [run.stderr.strip().splitlines()[-1] if run.stderr.strip() else "clang-tidy failed"]
+            return len(batch.files), told
+
+        def work(item):
+            folder, files = item
+            return [check(b) for b in batches(files, flags.get(folder, []), clang, scratch, counter)]
+
+        pieces = []
+        for folder, files in sorted(groups.items()):
+            pieces += [(folder, files[k:k + BATCH]) for k in range(0, len(files), BATCH)]
+        count = units = 0
+        for results in pool.map(work, pieces):
+            for files, told in results:
+                count += files
+                units += 1
+                findings.update(told)
+    for finding in sorted(findings):
+        print(finding)
+    print(f"{count} files in {units} batches, {len(findings)} findings")
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
