@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 namespace punctum::ui
 {
@@ -22,6 +23,8 @@ namespace
 constexpr double kNeighbors = 20.0;  // times the largest file's extent
 constexpr double kSpeck = 8.0;       // px: what is smaller cannot be seen
 
+constexpr std::size_t kFewFiles = 50;     ///< more are looked at once for all that happens together
+constexpr int kRefreshPause = 150;        // ms
 constexpr std::size_t kToldOneByOne = 8;  ///< of more files that are open, only the active one's strays are told
 
 bool same(const WorldBounds& a, const WorldBounds& b)
@@ -37,7 +40,28 @@ Framing::Framing(Workspace& workspace, const ViewFilter& filter, Viewport& viewp
     connect(&workspace, &Workspace::documentAdded, this, &Framing::documentAdded);
     connect(&workspace, &Workspace::documentLoaded, this, &Framing::documentLoaded);
     connect(&workspace, &Workspace::documentRemoved, this, &Framing::documentRemoved);
-    connect(&workspace, &Workspace::documentStateChanged, this, &Framing::updateSceneBounds);
+    connect(&workspace, &Workspace::documentStateChanged, this, [this] { refresh(nullptr); });
+    m_refresh.setSingleShot(true);
+    m_refresh.setInterval(kRefreshPause);
+    connect(&m_refresh, &QTimer::timeout, this, [this] {
+        updateSceneBounds();
+        const QPointer<Document> fit = std::exchange(m_refreshFit, nullptr);
+        if (fit && m_refreshMoves == m_viewport.userMoves()) fitFor(*fit);
+    });
+}
+
+void Framing::refresh(Document* fit)
+{
+    if (m_workspace.documents().size() <= kFewFiles) {
+        updateSceneBounds();
+        if (fit) fitFor(*fit);
+        return;
+    }
+    if (fit) {
+        m_refreshFit = fit;
+        m_refreshMoves = m_viewport.userMoves();
+    }
+    if (!m_refresh.isActive()) m_refresh.start();
 }
 
 WorldBounds Framing::boundsOf(const Document& document) const
@@ -153,13 +177,12 @@ bool Framing::showsAnything() const
 void Framing::documentAdded(Document* document)
 {
     m_camerasBefore[document] = {m_viewport.camera(), m_viewport.userMoves()};
-    updateSceneBounds();
-    fitFor(*document);
+    refresh(document);
 }
 
 void Framing::documentLoaded(Document* document)
 {
-    updateSceneBounds();
+    refresh(nullptr);
     // The header's box was only a first idea.
     const std::uint64_t moves = m_camerasBefore[document].second;
     m_camerasBefore.erase(document);

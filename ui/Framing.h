@@ -7,6 +7,7 @@
 
 #include <QObject>
 #include <QPointer>
+#include <QTimer>
 
 #include <cstdint>
 #include <functional>
@@ -49,6 +50,9 @@ private:
     WorldBounds boundsOf(const Document& document) const;
     void updateSceneBounds();
     void fitFor(const Document& document);
+    /// After a file came or changed: updateSceneBounds(), and fitFor() it where `fit` is set. Once for all that
+    /// happens together where many files are open, as each looks at all of them.
+    void refresh(Document* fit);
     bool showsAnything() const;
     void documentAdded(Document* document);
     void documentLoaded(Document* document);
@@ -63,6 +67,9 @@ private:
     ShownExtent m_fitted;                              ///< what was fitted last
     bool m_fittedAll = false;                          ///< with its strays
     std::uint64_t m_request = 0;                       ///< the newest fit
+    QTimer m_refresh;
+    QPointer<Document> m_refreshFit;   ///< that the view is fitted for then, unless the user ...
+    std::uint64_t m_refreshMoves = 0;  ///< ... has moved it since
 };
 
 }  // namespace punctum::ui

@@ -57,7 +57,6 @@ Opener::Opener(MainWindow& window, WindowSettings& settings)
     QCoreApplication::instance()->installEventFilter(this);
     m_window.setAcceptDrops(true);
     m_rememberTimer.setSingleShot(true);
-    m_rememberTimer.setInterval(kRememberPause);
     connect(&m_rememberTimer, &QTimer::timeout, this, [this] {
         m_settings.addRecentFiles(std::exchange(m_remembered, {}));
         showRecent();
@@ -168,7 +167,7 @@ void Opener::remember(const Document& document)
     const QString origin = document.origin();
     m_remembered.removeAll(origin);
     m_remembered << origin;
-    m_rememberTimer.start();
+    m_rememberTimer.start(m_window.workspace().opening() ? kRememberPause : 0);
 }
 
 void Opener::showRecent()

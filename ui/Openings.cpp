@@ -27,6 +27,7 @@ namespace
 {
 
 constexpr std::size_t kListedOneByOne = 8;  ///< more files at once are one job in the list
+constexpr std::size_t kMostAtOnce = 12;     ///< read, or read and not yet taken in by the window
 constexpr std::chrono::milliseconds kBatchStep(50);
 
 QString fileNameOf(const QString& path)
@@ -85,6 +86,7 @@ void Openings::open(const QStringList& paths, const QString& origin)
     QSet<QString> known;
     for (const Document* document : m_workspace.documents()) known.insert(document->path());
     for (const auto& other : m_opening) known.insert(other->path);
+    for (const auto& other : m_waiting) known.insert(other->path);
     const auto batch = std::make_shared<Batch>();
     batch->origin = origin;
     std::vector<std::shared_ptr<Opening>> fresh;
@@ -99,9 +101,17 @@ void Openings::open(const QStringList& paths, const QString& origin)
     batch->files = fresh.size();
     batch->listed = fresh.size() > kListedOneByOne;
     if (batch->listed) startBatch(batch);
-    for (const auto& opening : fresh) {
-        m_opening.push_back(opening);
-        start(opening);
+    m_waiting.insert(m_waiting.end(), fresh.begin(), fresh.end());
+    startNext();
+}
+
+void Openings::startNext()
+{
+    while (m_opening.size() < kMostAtOnce && !m_waiting.empty()) {
+        const std::shared_ptr<Opening> next = std::move(m_waiting.front());
+        m_waiting.pop_front();
+        m_opening.push_back(next);
+        start(next);
     }
 }
 
@@ -151,6 +161,7 @@ void Openings::ended(const std::shared_ptr<Opening>& opening, const JobInfo& inf
 {
     std::erase(m_opening, opening);
     ++opening->batch->ended;
+    startNext();
     Document* const document = opening->document;
     const auto& documents = m_workspace.documents();
     const bool wanted = document && std::find(documents.begin(), documents.end(), document) != documents.end();
@@ -202,9 +213,11 @@ void Openings::startBatch(const std::shared_ptr<Batch>& batch)
 
 void Openings::endBatch(const std::shared_ptr<Batch>& batch, const JobInfo& info)
 {
-    if (info.state == JobState::Cancelled)
+    if (info.state == JobState::Cancelled) {
+        std::erase_if(m_waiting, [&](const auto& opening) { return opening->batch == batch; });
         for (const auto& opening : m_opening)
             if (opening->batch == batch) m_workspace.cancel(opening->job);
+    }
     const QString files = countText(batch->files);
     const auto say = [&](MessageKind kind, const QString& sentence, const QStringList& lines) {
         if (lines.isEmpty()) return;

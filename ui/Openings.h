@@ -7,6 +7,7 @@
 #include <QString>
 #include <QStringList>
 
+#include <deque>
 #include <memory>
 #include <vector>
 
@@ -30,11 +31,13 @@ public:
     /// found in; empty: they were named one by one. The first that can be read becomes active.
     void open(const QStringList& paths, const QString& origin);
     /// Whether files are not documents yet, or still loading.
-    bool any() const noexcept { return !m_opening.empty(); }
+    bool any() const noexcept { return !m_opening.empty() || !m_waiting.empty(); }
 
 private:
     struct Opening;
     struct Batch;
+    /// Starts those that wait, as far as there is room for them.
+    void startNext();
     void start(const std::shared_ptr<Opening>& opening);
     void ready(const std::shared_ptr<Opening>& opening);
     void ended(const std::shared_ptr<Opening>& opening, const JobInfo& info);
@@ -45,6 +48,8 @@ private:
 
     Workspace& m_workspace;
     std::vector<std::shared_ptr<Opening>> m_opening;
+    /// Begun when the window has taken in what came before, so that it is never flooded.
+    std::deque<std::shared_ptr<Opening>> m_waiting;
 };
 
 }  // namespace punctum::ui

@@ -282,7 +282,7 @@ PointStyle ProgressiveRenderer::styleOf(Entry& entry) const
     const bool grown = filled > entry.filledAtSpacing + entry.filledAtSpacing / 2;
     if (grown || (filled != entry.filledAtSpacing && !entry.loading) || entry.spacingStretch != m_camera.stretch) {
         const std::shared_lock lock(entry.store->cloud().mutex());
-        entry.spacing = pointSpacing(*entry.store, m_camera.stretch);
+        entry.spacing = pointSpacing(*entry.store, m_camera.stretch, m_entries.size());
         entry.filledAtSpacing = filled;
         entry.spacingStretch = m_camera.stretch;
     }
