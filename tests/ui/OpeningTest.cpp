@@ -176,8 +176,13 @@ private slots:
         clock.start();
         beat.start(5);
         int mostListed = 0;
+        double furthest = 0.0;
         QVERIFY(waitFor([&] {
-            mostListed = std::max(mostListed, test.window->jobsDock().model().rowCount());
+            const JobsModel& jobs = test.window->jobsDock().model();
+            mostListed = std::max(mostListed, jobs.rowCount());
+            for (int row = 0; row < jobs.rowCount(); ++row)
+                if (jobs.info(row).state == JobState::Running)
+                    furthest = std::max(furthest, jobs.index(row).data(JobsModel::FractionRole).toDouble());
             return test.workspace().documents().size() == kMany - 1;
         }));
         QVERIFY(test.settle());
@@ -188,6 +193,7 @@ private slots:
         QVERIFY2(longest < 3000, qPrintable(QString::number(longest)));
         QVERIFY(mostAtOnce < 40);
         QVERIFY(mostListed < 20);
+        QVERIFY(furthest > 0.0);  // its progress is told while files come one after the other
         QCOMPARE(test.window->viewport().messages().sentences(),
                  QStringList{QStringLiteral("1 of %1 files could not be opened.").arg(kMany)});
         QVERIFY(waitFor([&] { return test.window->attributesDock().files().count() == kMany - 1; }));

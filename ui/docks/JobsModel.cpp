@@ -34,7 +34,7 @@ void JobsModel::start(quint64 id, const QString& title, bool quiet)
         m_waiting.push_back(entry);
     else
         list(entry);
-    m_timer.start();
+    if (!m_timer.isActive()) m_timer.start();  // started anew by each, it would never end while many begin
 }
 
 void JobsModel::list(Entry entry)
