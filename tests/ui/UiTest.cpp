@@ -63,14 +63,21 @@ TestWindow::TestWindow(ViewKind view, const QString& settings)
 
 bool TestWindow::settle(const QString& attribute, int timeoutMs)
 {
-    return waitFor(
-        [&] {
-            const auto now = frame();
-            return now && now->report.converged && now->camera == window->viewport().camera() &&
-                   !window->workspace().busy() && !window->workspace().opening() &&
-                   (attribute.isEmpty() || now->attribute == attribute);
-        },
-        timeoutMs);
+    const auto settled = [&] {
+        const auto now = frame();
+        return now && now->report.converged && now->camera == window->viewport().camera() &&
+               !window->workspace().busy() && !window->workspace().opening() &&
+               (attribute.isEmpty() || now->attribute == attribute);
+    };
+    if (!waitFor(settled, timeoutMs)) return false;
+    const Document* const active = window->workspace().active();
+    if (active == nullptr) return true;
+    // The render thread may not know yet that loading has ended, by which points get their final size: it tells
+    // what is to be seen when it has heard all that was said before, and has drawn it.
+    const auto drawn = std::make_shared<bool>(false);
+    window->renderer().snapshot(active->cloud(), window.get(),
+                                [drawn](const std::shared_ptr<const ViewSnapshot>&) { *drawn = true; });
+    return waitFor([&] { return *drawn && settled(); }, timeoutMs);
 }
 
 Document* TestWindow::open(const QString& path)
