@@ -44,7 +44,7 @@ std::string row(const std::string& name, const std::string& description)
 /// What stands for the value of an option: "N". CLI11 puts what its checks say behind it, which we leave out.
 std::string valueName(const CLI::Option* option)
 {
-    const std::string type = option->get_type_name();
+    std::string type = option->get_type_name();
     for (std::size_t colon = type.find(':'); colon != std::string::npos; colon = type.find(':', colon + 1)) {
         const std::string check = type.substr(colon + 1);
         if (check.starts_with('{') || check.find(" in [") != std::string::npos) return type.substr(0, colon);

@@ -15,19 +15,19 @@ namespace
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
 /// A signal handler gets nothing but a number: what it cancels must be in a place it knows.
-std::atomic<Progress*> g_progress{nullptr};
+std::atomic<Progress*> interrupted{nullptr};
 static_assert(std::atomic<Progress*>::is_always_lock_free);
 
 extern "C" void cancelWork(int)
 {
-    if (Progress* progress = g_progress.load()) progress->cancel();
+    if (Progress* progress = interrupted.load()) progress->cancel();
 }
 
 }  // namespace
 
 Interrupt::Interrupt(Progress& progress)
 {
-    g_progress.store(&progress);
+    interrupted.store(&progress);
     struct sigaction action = {};
     action.sa_handler = cancelWork;
     action.sa_flags = int(SA_RESETHAND);  // the second time, the signal does what it does by default
@@ -37,7 +37,7 @@ Interrupt::Interrupt(Progress& progress)
 Interrupt::~Interrupt()
 {
     for (const int signal : kSignals) std::signal(signal, SIG_DFL);
-    g_progress.store(nullptr);
+    interrupted.store(nullptr);
 }
 
 }  // namespace punctum::app

@@ -26,7 +26,8 @@ namespace punctum::app
 class HeadlessRenderer
 {
 public:
-    /// `backend`: "auto" (cpu: the same picture on every machine), "cpu", "gl-compute" or "gl-points". Throws Error.
+    /// `backend`: "auto" (cpu: the same picture on every machine), "cpu", "gl-compute" or "gl-points". Throws
+    /// Error.
     explicit HeadlessRenderer(const std::string& backend);
     ~HeadlessRenderer();
     HeadlessRenderer(const HeadlessRenderer&) = delete;

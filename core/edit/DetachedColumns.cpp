@@ -69,7 +69,7 @@ void DetachedColumns::clear() noexcept
             // Nobody will see these values any more, but they must be there to be read.
             [[maybe_unused]] void* const zeros =
                 ::mmap(one.column->data(), one.piece->size(), PROT_READ | PROT_WRITE,
-                   MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1, 0);
+                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1, 0);
         }
     }
     for (Detached& one : m_all) one.column.reset();  // before its piece

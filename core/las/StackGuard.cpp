@@ -29,7 +29,8 @@ struct sigaction handlerBefore;
 void onFault(int signal, siginfo_t* info, void* context)
 {
     const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
-    if (threadGoesOn != nullptr && address + kBelow >= threadLowest && address < threadLowest + kAbove) siglongjmp(*threadGoesOn, 1);
+    if (threadGoesOn != nullptr && address + kBelow >= threadLowest && address < threadLowest + kAbove)
+        siglongjmp(*threadGoesOn, 1);
     // Somebody else's: the handler before ours, or the end of the program when the fault happens again.
     if ((handlerBefore.sa_flags & SA_SIGINFO) != 0)
         handlerBefore.sa_sigaction(signal, info, context);

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "core/sample/Random.h"
 
-namespace punctum::sample {
+namespace punctum::sample
+{
 
-namespace {
+namespace
+{
 
-constexpr double fade(double t) noexcept { return t * t * t * (t * (t * 6.0 - 15.0) + 10.0); }
+constexpr double fade(double t) noexcept
+{
+    return t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
+}
 
 /// One round of mixing is enough for a direction, and this is the hottest hash there is.
 constexpr std::uint32_t corner(std::uint64_t seed, std::int64_t x, std::int64_t y) noexcept

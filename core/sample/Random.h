@@ -5,7 +5,8 @@
 
 /// Random numbers and noise that are the same on every machine: integers, and of the floating-point operations only
 /// those that IEEE 754 defines to the last bit (no sin, exp or pow, and no contraction to fused operations).
-namespace punctum::sample {
+namespace punctum::sample
+{
 
 /// Finalizer of splitmix64 (Steele, Lea, Flood: Fast Splittable Pseudorandom Number Generators, 2014).
 constexpr std::uint64_t mix(std::uint64_t x) noexcept
@@ -23,10 +24,14 @@ constexpr std::uint64_t hash(std::uint64_t seed, std::int64_t a, std::int64_t b 
 }
 
 /// 0 up to but not including 1.
-constexpr double unit(std::uint64_t h) noexcept { return double(h >> 11) * 0x1p-53; }
+constexpr double unit(std::uint64_t h) noexcept
+{
+    return double(h >> 11) * 0x1p-53;
+}
 
 /// A stream of random numbers (splitmix64).
-class Random {
+class Random
+{
 public:
     explicit constexpr Random(std::uint64_t seed) noexcept : m_state(seed) {}
     constexpr std::uint64_t next() noexcept { return mix(m_state += 0x9E3779B97F4A7C15u); }
@@ -52,7 +57,10 @@ constexpr std::int64_t floorOf(double v) noexcept
     return i - (v < double(i) ? 1 : 0);
 }
 /// What is left of v above floor(v).
-constexpr double fractionOf(double v) noexcept { return v - double(floorOf(v)); }
+constexpr double fractionOf(double v) noexcept
+{
+    return v - double(floorOf(v));
+}
 
 /// 0 below 0, 1 above 1, smooth between.
 constexpr double smooth(double t) noexcept
@@ -61,7 +69,10 @@ constexpr double smooth(double t) noexcept
     return t * t * (3.0 - 2.0 * t);
 }
 
-constexpr double lerp(double a, double b, double t) noexcept { return a + (b - a) * t; }
+constexpr double lerp(double a, double b, double t) noexcept
+{
+    return a + (b - a) * t;
+}
 
 /// Gradient noise (Perlin: Improving Noise, 2002) with eight directions; about -1 to 1, features of size 1.
 double noise(std::uint64_t seed, double x, double y) noexcept;

@@ -6,7 +6,8 @@
 #include <cstdint>
 #include <memory>
 
-namespace punctum {
+namespace punctum
+{
 
 class Progress;
 

@@ -9,11 +9,13 @@
 #include <optional>
 #include <vector>
 
-namespace punctum {
+namespace punctum
+{
 class Progress;
 }
 
-namespace punctum::sample {
+namespace punctum::sample
+{
 
 struct Color {
     double r = 0, g = 0, b = 0;  ///< 0 to 1
@@ -39,7 +41,8 @@ struct Raster {
 
 /// Zeroes, made when they are first touched: a large grid costs no time before its rows are worked out.
 template <typename T>
-class LazyArray {
+class LazyArray
+{
 public:
     LazyArray() = default;
     explicit LazyArray(std::size_t count) : m_buffer(count * sizeof(T)) {}
@@ -100,7 +103,8 @@ struct Aerial {
 /// The country that the sample survey flies over: hills, a river with a bridge, a main road, towns of streets and
 /// houses, fields, woods, a power line. Frame: metres from its south-west corner, `side` metres each way.
 /// Immutable once made; every question may be asked from any thread.
-class Scene {
+class Scene
+{
 public:
     /// Works out terrain, trees and shadows on grids, in parallel. Throws Cancelled.
     Scene(double side, std::uint64_t seed, Progress& progress);

@@ -92,10 +92,10 @@ void storeLines(const Element* const* members, std::int32_t* positions, std::uin
         const auto bits = [](__m128 v) { return _mm_castps_si128(v); };
         const __m128 firstPairs = _mm_shuffle_ps(a, b, _MM_SHUFFLE(0, 0, 2, 2));
         const __m128 secondPairs = _mm_shuffle_ps(c, d, _MM_SHUFFLE(0, 0, 2, 2));
-        _mm_stream_si128(p, bits(_mm_shuffle_ps(a, firstPairs, _MM_SHUFFLE(2, 0, 1, 0))));      // ax ay az bx
-        _mm_stream_si128(p + 1, bits(_mm_shuffle_ps(b, c, _MM_SHUFFLE(1, 0, 2, 1))));      // by bz cx cy
+        _mm_stream_si128(p, bits(_mm_shuffle_ps(a, firstPairs, _MM_SHUFFLE(2, 0, 1, 0))));       // ax ay az bx
+        _mm_stream_si128(p + 1, bits(_mm_shuffle_ps(b, c, _MM_SHUFFLE(1, 0, 2, 1))));            // by bz cx cy
         _mm_stream_si128(p + 2, bits(_mm_shuffle_ps(secondPairs, d, _MM_SHUFFLE(2, 1, 2, 0))));  // cz dx dy dz
-        const __m128 ab = _mm_unpackhi_ps(a, b), cd = _mm_unpackhi_ps(c, d);               // z z word word
+        const __m128 ab = _mm_unpackhi_ps(a, b), cd = _mm_unpackhi_ps(c, d);                     // z z word word
         _mm_stream_si128(w, bits(_mm_shuffle_ps(ab, cd, _MM_SHUFFLE(3, 2, 3, 2))));
     }
 #else

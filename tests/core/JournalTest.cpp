@@ -223,7 +223,7 @@ private slots:
         std::size_t entries = 0;
         for (int k = 0; k < 120; ++k) entries += follow(history, *cloud, editOf(3, k)) ? 1 : 0;
         QCOMPARE(history.journal()->failure(), std::string());
-        QVERIFY(complaint([&] { Journal::resume(path); }).find("another window") != std::string::npos);
+        QVERIFY(complaint([&path = path] { Journal::resume(path); }).find("another window") != std::string::npos);
 
         const JournalContents contents = readJournal(path);
         QCOMPARE(contents.damage, std::string());
@@ -242,8 +242,9 @@ private slots:
         QCOMPARE(second.position(), history.position());
         while (second.canUndo()) second.undo();
         QVERIFY(snapshot(*again) == snapshot(*makeCloud()));
-        QVERIFY(complaint([&] { replay(contents, *cloud, history, progress); }).find("another file") !=
-                std::string::npos);
+        QVERIFY(complaint([&, &cloud = cloud, &history = history, &progress = progress] {
+                    replay(contents, *cloud, history, progress);
+                }).find("another file") != std::string::npos);
 
         // it goes on where it ended
         history.setJournal(nullptr);
@@ -340,7 +341,7 @@ private slots:
             putBytes(path, broken);
             const std::size_t sound = wholeLines(at);
             if (sound < 2) {
-                QVERIFY(complaint([&] { readJournal(path); }) != "no error");
+                QVERIFY(complaint([&path = path] { readJournal(path); }) != "no error");
                 continue;
             }
             const JournalContents contents = readJournal(path);
@@ -357,7 +358,7 @@ private slots:
         QCOMPARE(readJournal(path).entries.size(), std::size_t(2));
         QVERIFY(!readJournal(path).damage.empty());
         putBytes(path, "something else\n");
-        QVERIFY(complaint([&] { readJournal(path); }).find("no journal") != std::string::npos);
+        QVERIFY(complaint([&path = path] { readJournal(path); }).find("no journal") != std::string::npos);
     }
 
     /// Whoever can write the file can give it any lines with the right sums.
@@ -377,7 +378,7 @@ private slots:
         const std::vector<std::uint8_t> farRun{0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x7F, 1};  // at 2^49 - 1
         for (const PointIndex points : {~PointIndex(0), ~PointIndex(0) - 62, (PointIndex(1) << 40) + 1}) {
             put(points, farRun);
-            QVERIFY(complaint([&] { readJournal(path); }).find("no journal") != std::string::npos);
+            QVERIFY(complaint([&path = path] { readJournal(path); }).find("no journal") != std::string::npos);
             QVERIFY(complaint([&] { Journal::resume(path); }).find("no journal") != std::string::npos);
         }
         put(kPoints, farRun);
@@ -392,8 +393,9 @@ private slots:
         const auto cloud = makeCloud();
         History history(cloud);
         Progress progress;
-        QVERIFY(complaint([&] { replay(contents, *cloud, history, progress); }).find("another file") !=
-                std::string::npos);
+        QVERIFY(complaint([&, &cloud = cloud, &history = history, &progress = progress] {
+                    replay(contents, *cloud, history, progress);
+                }).find("another file") != std::string::npos);
     }
 
     /// A literal says what comes of it: what it says must not reach what everything relies on.

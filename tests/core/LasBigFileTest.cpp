@@ -72,6 +72,13 @@ Bytes header14(std::uint8_t format, std::uint64_t points)
     return head;
 }
 
+/// The points at the end are holes, which read as zeros; that is the one thing to say of these files.
+bool holesAloneAreTold(const las::SourceFile& source)
+{
+    return !source.recovered && source.warnings.size() == 1 &&
+           source.warnings[0].find("nothing but zero bytes") != std::string::npos;
+}
+
 }  // namespace
 
 void LasBigFileTest::pointsBeyond32Bits()
@@ -83,7 +90,7 @@ void LasBigFileTest::pointsBeyond32Bits()
         QSKIP(kNoSuchFiles);
     const auto reader = las::Reader::open(m_path);
     QCOMPARE(reader->source()->pointCount, count);
-    QVERIFY(reader->source()->warnings.empty() && !reader->source()->recovered);
+    QVERIFY(holesAloneAreTold(*reader->source()));
     QVERIFY(!reader->source()->firstBounds.empty());
 
     std::atomic<bool> found = false, others = false;
@@ -125,7 +132,7 @@ void LasBigFileTest::extendedRecordsBeyond4GiB()
     const auto source = las::Reader::open(m_path)->source();
     QCOMPARE(source->pointCount, count);
     QCOMPARE(source->pointDataEnd, end);
-    QVERIFY(source->warnings.empty() && !source->recovered);
+    QVERIFY(holesAloneAreTold(*source));
     QCOMPARE(source->evlrs.size(), std::size_t(1));
     QVERIFY(std::equal(source->evlrs[0].data.begin(), source->evlrs[0].data.end(), evlr.begin() + 60, evlr.end()));
 }

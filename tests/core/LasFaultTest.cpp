@@ -39,13 +39,13 @@ struct Step {
     bool folder = false;  ///< of the folder itself, not of a file
 };
 
-std::atomic<bool> g_armed{false};
-std::mutex g_mutex;
-std::string g_folder;       ///< calls elsewhere are not counted
-std::vector<Step> g_steps;  ///< so far
-std::size_t g_fails = 0;    ///< number of the step that fails, from 1; 0: none
-Kind g_kind = Kind::Error;
-int g_errno = 0;
+std::atomic<bool> nowArmed{false};
+std::mutex guard;
+std::string watchedFolder;    ///< calls elsewhere are not counted
+std::vector<Step> stepsSeen;  ///< so far
+std::size_t failingStep = 0;  ///< number of the step that fails, from 1; 0: none
+Kind faultKind = Kind::Error;
+int faultErrno = 0;
 
 std::string pathOf(int descriptor)
 {
@@ -57,23 +57,23 @@ std::string pathOf(int descriptor)
 /// Counts a call; true when it is the one to fail. errno is kept.
 bool fails(const char* call, const std::string& path)
 {
-    if (!g_armed) return false;
+    if (!nowArmed) return false;
     const int before = errno;
     bool now = false;
     {
-        const std::lock_guard lock(g_mutex);
-        if (path.starts_with(g_folder)) {
-            g_steps.push_back({call, path.size() <= g_folder.size() + 1});
-            now = g_steps.size() == g_fails;
+        const std::lock_guard lock(guard);
+        if (path.starts_with(watchedFolder)) {
+            stepsSeen.push_back({call, path.size() <= watchedFolder.size() + 1});
+            now = stepsSeen.size() == failingStep;
         }
     }
-    if (now && g_kind == Kind::KillBefore) ::kill(::getpid(), SIGKILL);
+    if (now && faultKind == Kind::KillBefore) ::kill(::getpid(), SIGKILL);
     errno = before;
     return now;
 }
 int error()
 {
-    errno = g_errno;
+    errno = faultErrno;
     return -1;
 }
 
@@ -89,9 +89,9 @@ ssize_t write(const char* name, int descriptor, const void* bytes, std::size_t s
 {
     static const auto real = next<Write>("pwrite");
     if (!fails(name, pathOf(descriptor))) return real(descriptor, bytes, size, offset);
-    if (g_kind == Kind::Error) return error();
+    if (faultKind == Kind::Error) return error();
     const ssize_t written = real(descriptor, bytes, (size + 1) / 2, offset);
-    if (g_kind == Kind::KillInside) ::kill(::getpid(), SIGKILL);
+    if (faultKind == Kind::KillInside) ::kill(::getpid(), SIGKILL);
     return written;
 }
 
@@ -101,14 +101,14 @@ class Armed
 public:
     Armed(const fs::path& folder, std::size_t step, Kind kind, int error)
     {
-        g_folder = folder;
-        g_steps.clear();
-        g_fails = step;
-        g_kind = kind;
-        g_errno = error;
-        g_armed = true;
+        watchedFolder = folder;
+        stepsSeen.clear();
+        failingStep = step;
+        faultKind = kind;
+        faultErrno = error;
+        nowArmed = true;
     }
-    ~Armed() { g_armed = false; }
+    ~Armed() { nowArmed = false; }
     Armed(const Armed&) = delete;
     Armed& operator=(const Armed&) = delete;
 };
@@ -127,7 +127,7 @@ ssize_t pwrite64(int descriptor, const void* bytes, std::size_t size, off_t offs
 ssize_t write(int descriptor, const void* bytes, std::size_t size)
 {
     static const auto real = faults::next<ssize_t (*)(int, const void*, std::size_t)>("write");
-    if (faults::g_armed && faults::fails("write", faults::pathOf(descriptor))) return faults::error();
+    if (faults::nowArmed && faults::fails("write", faults::pathOf(descriptor))) return faults::error();
     return real(descriptor, bytes, size);
 }
 int fsync(int descriptor)
@@ -163,7 +163,7 @@ int rename(const char* from, const char* to) noexcept
 int close(int descriptor)
 {
     static const auto real = faults::next<int (*)(int)>("close");
-    if (!faults::g_armed) return real(descriptor);
+    if (!faults::nowArmed) return real(descriptor);
     const bool fails = faults::fails("close", faults::pathOf(descriptor));
     const int result = real(descriptor);  // Linux closes the file even then
     return fails ? faults::error() : result;
@@ -287,7 +287,7 @@ void LasFaultTest::everyStepFails()
         const auto cloud = loadAndEdit(path);
         const faults::Armed armed(folder(), 0, faults::Kind::Error, 0);
         save(*cloud, path);
-        steps = faults::g_steps;
+        steps = faults::stepsSeen;
     }
     const Bytes after = lasfiles::readFile(path);
     QVERIFY(after != before);

@@ -7,6 +7,8 @@
 #include <QTemporaryDir>
 #include <QTest>
 
+#include <tbb/global_control.h>
+
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -235,8 +237,11 @@ void LasReaderTest::everyFormatHasItsAttributes()
 void LasReaderTest::batchesCoverEachPointOnceAndSpread_data()
 {
     QTest::addColumn<bool>("compressed");
-    QTest::newRow("las") << false;
-    QTest::newRow("laz") << true;
+    QTest::addColumn<int>("threads");
+    QTest::newRow("las") << false << 1;
+    QTest::newRow("laz") << true << 1;
+    QTest::newRow("las by two") << false << 2;
+    QTest::newRow("laz by two") << true << 2;
 }
 
 void LasReaderTest::batchesCoverEachPointOnceAndSpread()
@@ -247,6 +252,9 @@ void LasReaderTest::batchesCoverEachPointOnceAndSpread()
     const fs::path path =
         make("spread", compressed ? lasfiles::lazFile(0, 20, points, 1000)
                                   : lasfiles::file(lasfiles::header(2, 0, 20, count), {}, points));
+    // With several threads a busy machine may hold one of them back, and the batches of its place with it.
+    QFETCH(int, threads);
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(threads));
     const auto reader = las::Reader::open(path);
     const auto cloud = reader->createCloud();
     std::vector<std::atomic<int>> seen(count / 1000);
@@ -262,11 +270,12 @@ void LasReaderTest::batchesCoverEachPointOnceAndSpread()
     });
     for (const auto& n : seen) QCOMPARE(n.load(), 1);
     QVERIFY(order.size() >= 64);
+    QCOMPARE(progress.fraction(), 1.0);
+    if (threads != 1) return;
     // Among the first batches, four in a row, there is one in each eighth of the cloud.
     std::uint32_t eighths = 0;
     for (std::size_t k = 0; k < 48; ++k) eighths |= 1u << (order[k] * 8 / count);
     QCOMPARE(eighths, 0xFFu);
-    QCOMPARE(progress.fraction(), 1.0);
 }
 
 void LasReaderTest::cancelStopsReading()

@@ -11,7 +11,8 @@
 #include <tbb/global_control.h>
 #endif
 
-namespace punctum {
+namespace punctum
+{
 
 #if defined(__SANITIZE_THREAD__)
 /// TBB as the system ships it is not built with thread sanitizer, which then takes everything that one of its

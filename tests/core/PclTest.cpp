@@ -20,7 +20,8 @@
 
 using namespace punctum;
 
-namespace {
+namespace
+{
 
 using Points = pcl::PointCloud<pcl::PointXYZ>;
 
@@ -53,7 +54,8 @@ double secondsSince(std::chrono::steady_clock::time_point start)
 
 }  // namespace
 
-class PclTest : public QObject {
+class PclTest : public QObject
+{
     Q_OBJECT
 
 private slots:

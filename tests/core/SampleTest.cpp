@@ -18,7 +18,8 @@
 
 using namespace punctum;
 
-namespace {
+namespace
+{
 
 std::shared_ptr<PointCloud> make(PointIndex points, std::uint64_t seed = 1)
 {
@@ -37,7 +38,8 @@ std::uint64_t fingerprint(const PointCloud& cloud)
 
 }  // namespace
 
-class SampleTest : public QObject {
+class SampleTest : public QObject
+{
     Q_OBJECT
 
 private slots:
@@ -81,7 +83,10 @@ void SampleTest::isTheSameOnAnyNumberOfThreads()
     QVERIFY(fingerprint(*make(kPoints)) == fingerprint(*m_cloud));
 }
 
-void SampleTest::seedsDiffer() { QVERIFY(fingerprint(*make(20'000, 2)) != fingerprint(*make(20'000, 3))); }
+void SampleTest::seedsDiffer()
+{
+    QVERIFY(fingerprint(*make(20'000, 2)) != fingerprint(*make(20'000, 3)));
+}
 
 void SampleTest::hasTheAskedNumber_data()
 {
