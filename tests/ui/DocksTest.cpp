@@ -255,6 +255,8 @@ private slots:
         QVERIFY(test.settle(QStringLiteral("Z")));
         const auto range = test.window->attributesDock().findChildren<NumberField*>();
         QCOMPARE(range.size(), 2);
+        // the picture is there a little before the panel has heard of it; no field takes keys until then
+        QVERIFY(waitFor([&] { return range[0]->isEnabled() && range[0]->number() && range[1]->number(); }));
         type(range[0], QStringLiteral("410.5"));
         QTest::keyClick(range[0], Qt::Key_Return);
         QVERIFY(range[0]->property("wrong").toBool() && !test.window->viewSettings().display().range);

@@ -18,6 +18,7 @@
 #include <QMimeData>
 #include <QTimer>
 #include <QUrl>
+#include <QVariantAnimation>
 #include <QWindow>
 
 #include <csignal>
@@ -63,11 +64,14 @@ TestWindow::TestWindow(ViewKind view, const QString& settings)
 
 bool TestWindow::settle(const QString& attribute, int timeoutMs)
 {
+    // A picture of few points may be finished while the camera still flies.
+    const auto* const flight =
+        window->viewport().findChild<QVariantAnimation*>(QString(), Qt::FindDirectChildrenOnly);
     const auto settled = [&] {
         const auto now = frame();
-        return now && now->report.converged && now->camera == window->viewport().camera() &&
-               !window->workspace().busy() && !window->workspace().opening() &&
-               (attribute.isEmpty() || now->attribute == attribute);
+        return now && !(flight && flight->state() == QAbstractAnimation::Running) && now->report.converged &&
+               now->camera == window->viewport().camera() && !window->workspace().busy() &&
+               !window->workspace().opening() && (attribute.isEmpty() || now->attribute == attribute);
     };
     if (!waitFor(settled, timeoutMs)) return false;
     const Document* const active = window->workspace().active();

@@ -33,7 +33,7 @@ struct TestWindow {
     explicit TestWindow(ViewKind view = ViewKind::Automatic, const QString& settings = {});
     /// Opens and waits until all is loaded and drawn; null on failure.
     Document* open(const QString& path);
-    /// Waits until the picture is finished, shows `attribute` (when not empty), and no job runs.
+    /// Waits until the picture is finished, shows `attribute` (when not empty), no job runs, and the camera rests.
     bool settle(const QString& attribute = {}, int timeoutMs = 200000);
     std::shared_ptr<const Frame> frame() const { return window->renderer().frame(); }
     /// Sends the events of files being dropped on the view.

@@ -19,6 +19,9 @@
 
 #include <glm/geometric.hpp>
 
+#include <cmath>
+#include <utility>
+
 using namespace punctum;
 using namespace punctum::ui;
 using namespace punctum::ui::test;
@@ -120,7 +123,17 @@ private slots:
             const render::Camera before = view.camera();
             QTest::keyClick(&view, key, modifiers);
             waitFor([&] { return !(view.camera() == before); }, 5'000);
-            return std::pair(before, view.camera());
+            const render::Camera after = view.camera();
+            test.settle();  // zooming goes by the point that the picture shows
+            return std::pair(before, after);
+        };
+        // Zooming moves the pivot to what is in the middle of the picture, which may be another tree each time: how
+        // far away this is is what changes.
+        const auto zoomed = [](const std::pair<render::Camera, render::Camera>& cameras) {
+            const auto depth = [&](const render::Camera& camera) {
+                return glm::dot((cameras.second.pivot - camera.eye) * camera.stretch, camera.forward());
+            };
+            return depth(cameras.second) / depth(cameras.first);
         };
         const auto turned = press(Qt::Key_Right);
         QVERIFY(turned.first.yaw != turned.second.yaw && turned.first.pitch == turned.second.pitch);
@@ -131,10 +144,9 @@ private slots:
         QVERIFY(moved.first.yaw == moved.second.yaw);
         QVERIFY(glm::dot(moved.second.eye - moved.first.eye, moved.first.right()) > 0);
         const auto nearer = press(Qt::Key_PageUp);
-        // The point in the middle may be another one each time, and so its depth.
-        QVERIFY(glm::dot(nearer.second.eye - nearer.first.eye, nearer.first.forward()) > 0);
+        QVERIFY2(std::abs(zoomed(nearer) - 0.8) < 1e-3, qPrintable(QString::number(zoomed(nearer))));
         const auto farther = press(Qt::Key_Minus, Qt::ControlModifier);
-        QVERIFY(glm::dot(farther.second.eye - farther.first.eye, farther.first.forward()) < 0);
+        QVERIFY2(std::abs(zoomed(farther) - 1.25) < 1e-3, qPrintable(QString::number(zoomed(farther))));
         const double size = test.window->viewSettings().size();
         QTest::keyClick(&view, Qt::Key_Plus, Qt::ControlModifier);
         QCOMPARE(test.window->viewSettings().size(), size);
