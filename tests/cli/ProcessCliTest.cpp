@@ -154,7 +154,7 @@ private slots:
                               path("high.las"), "--step", "reclassify attribute=Z min=-1e9 max=1e9 class=64"};
         const Outcome refused = runPunctum(arguments);
         PUNCTUM_EXIT(refused, 1);
-        QVERIFY2(refused.err.contains("110000 points have a class above 31"), refused.said());
+        QVERIFY2(refused.err.contains("110,000 points have a class above 31"), refused.said());
         QVERIFY2(refused.err.contains("--upgrade"), refused.said());
         QVERIFY(!QFile::exists(path("high.las")));
         const Outcome upgraded = runPunctum(arguments << "--upgrade");
