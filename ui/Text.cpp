@@ -103,7 +103,7 @@ QString toQString(const std::filesystem::path& path)
         QString text = QString::fromUtf8(part);
         return text.toUtf8() == part ? text : QString();
     };
-    if (const QString text = whole(bytes); !text.isEmpty()) return text;
+    if (QString text = whole(bytes); !text.isEmpty()) return text;
     QString text;
     for (qsizetype at = 0; at < bytes.size();) {
         constexpr qsizetype kLongest = 4;  // bytes of a character

@@ -204,7 +204,7 @@ public:
         if (!(size.x > 0) || !(size.y > 0) || points == 0) return;
         m_box = box;
         m_side = std::sqrt(size.x * size.y / std::max(1.0, double(points) / kPointsPerCell));
-        m_side = std::max(m_side, std::sqrt(size.x * size.y / double(kMostCells / 4)));
+        m_side = std::max(m_side, std::sqrt(size.x * size.y / (double(kMostCells) / 4)));
         m_columns = std::size_t(size.x / m_side) + 1;
         m_rows = std::size_t(size.y / m_side) + 1;
         if (m_columns > kMostCells / m_rows) {

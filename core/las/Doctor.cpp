@@ -514,7 +514,9 @@ Diagnosis diagnose(const SourceFile& source, const PointFigures& figures)
 
 Examination examine(const PointCloud& cloud, Progress& progress)
 {
-    const std::shared_ptr<const SourceFile> source = cloud.source();
+    // a save may put another one in its place meanwhile
+    const std::shared_ptr<const SourceFile> source =
+        cloud.source();  // NOLINT(performance-unnecessary-copy-initialization)
     const std::vector<PointRange> missing = source->asRead->get().missing;
     std::optional<PointSet> unreadable;
     if (!missing.empty()) {

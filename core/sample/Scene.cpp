@@ -474,7 +474,9 @@ double Scene::treeDensity(double x, double y) const
         if (fractionOf(a / kStreetA) * kStreetA < kStreet + 2.0) return 0.0;
         if (fractionOf(b / kStreetB) * kStreetB < kStreet + 2.0) return 0.0;
         for (int k = 0; k < 9; ++k)
-            if (town->building(a + (k % 3 - 1) * 2.5, b + double(k / 3 - 1) * 2.5) != nullptr) return 0.0;
+            if (const int across = k % 3 - 1, along = k / 3 - 1;
+                town->building(a + across * 2.5, b + along * 2.5) != nullptr)
+                return 0.0;
         return 0.34;
     }
     if (p.river() < 13.0) return 0.62;

@@ -130,7 +130,7 @@ std::shared_ptr<Screenshots::Order> Screenshots::order(const ScreenshotOptions& 
     request.display.samples = options.samples;
     if (options.transparent) request.display.backgroundTop.a = request.display.backgroundBottom.a = 0;
 
-    const auto order = std::make_shared<Order>();
+    auto order = std::make_shared<Order>();
     order->still = std::make_shared<Still>(request);
     PictureMarks& marks = order->marks;
     marks.style.font = QApplication::font();
