@@ -515,8 +515,7 @@ Diagnosis diagnose(const SourceFile& source, const PointFigures& figures)
 Examination examine(const PointCloud& cloud, Progress& progress)
 {
     // a save may put another one in its place meanwhile
-    const std::shared_ptr<const SourceFile> source =
-        cloud.source();  // NOLINT(performance-unnecessary-copy-initialization)
+    const auto source = cloud.source();  // NOLINT(performance-unnecessary-copy-initialization)
     const std::vector<PointRange> missing = source->asRead->get().missing;
     std::optional<PointSet> unreadable;
     if (!missing.empty()) {
