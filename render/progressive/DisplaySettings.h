@@ -29,12 +29,12 @@ enum class PointSizing {
 struct DisplaySettings {
     std::string attribute;  ///< name; a cloud without it keeps what it shows (first: see firstAttribute)
     std::string colorMap;   ///< Scalar attributes; empty: suitableColorMap()
-    std::optional<std::pair<double, double>>
-        range;                             ///< Scalar; none: 2nd to 98th percentile of what all clouds show
-    std::array<Rgba8, 256> palette{};      ///< Class; defaults to asprsClasses()
-    std::array<bool, 256> classVisible{};  ///< defaults to all
-    Clip clip;                             ///< what lies outside is not drawn; at most kMostClipPlanes
-    std::vector<ClipPlane> cuts;           ///< beside the clip's planes; what they cut off counts in ranges
+    std::optional<std::pair<double, double>> range;  ///< Scalar; none: 2nd to 98th percentile of what is shown; a
+                                                     ///< cloud without the attribute has its own
+    std::array<Rgba8, 256> palette{};                ///< Class; defaults to asprsClasses()
+    std::array<bool, 256> classVisible{};            ///< defaults to all
+    Clip clip;                                       ///< what lies outside is not drawn; at most kMostClipPlanes
+    std::vector<ClipPlane> cuts;  ///< beside the clip's planes; what they cut off counts in ranges
     PointSizing sizing = PointSizing::Pixels;
     double pointSize = 1.0;  ///< Pixels: px
     double worldSize = 0.1;  ///< World: view units (Camera)

@@ -23,14 +23,15 @@ inline double now()
 struct ProgressiveRenderer::Entry {
     std::shared_ptr<PointStore> store;
     bool loading = true;
-    Slot cursor = 0;                 ///< next slot to draw; goes round
-    Slot drawn = 0;                  ///< slots drawn in this pass, which shows the present view
-    PointIndex filledAtStart = 0;    ///< points the store had when the pass began
-    Slot colored = 0;                ///< slots whose colors were added, see RasterBackend::addColors()
-    PointIndex filledAtRange = 0;    ///< points the store had when the range was last computed
-    double spacing = 0;              ///< pointSpacing() of ...
-    glm::dvec3 spacingStretch{0};    ///< ... this view and ...
-    PointIndex filledAtSpacing = 0;  ///< ... so many points
+    Slot cursor = 0;                            ///< next slot to draw; goes round
+    Slot drawn = 0;                             ///< slots drawn in this pass, which shows the present view
+    PointIndex filledAtStart = 0;               ///< points the store had when the pass began
+    Slot colored = 0;                           ///< slots whose colors were added, see RasterBackend::addColors()
+    PointIndex filledAtRange = 0;               ///< points the store had when the range was last computed
+    std::pair<double, double> range{0.0, 1.0};  ///< of the attribute it shows
+    double spacing = 0;                         ///< pointSpacing() of ...
+    glm::dvec3 spacingStretch{0};               ///< ... this view and ...
+    PointIndex filledAtSpacing = 0;             ///< ... so many points
 
     bool passDone() const noexcept { return drawn >= store->slotCount() || filledAtStart == 0; }
     /// Of its slots, drawn in this pass.

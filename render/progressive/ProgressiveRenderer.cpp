@@ -3,7 +3,6 @@
 
 #include "core/task/Progress.h"
 #include "render/progressive/Entry.h"
-#include "render/progressive/ShownValues.h"
 #include "render/raster/LayerLookup.h"
 #include "render/raster/PointIds.h"
 #include "render/store/Spacing.h"
@@ -25,11 +24,6 @@ namespace punctum::render
 
 namespace
 {
-
-/// Points looked at for the range of a scalar attribute, over all clouds.
-constexpr std::size_t kRangeSamples = 20'000;
-constexpr double kLowPercentile = 0.02;
-constexpr double kHighPercentile = 0.98;
 
 /// px, while the spacing is guessed from a part of the points.
 constexpr double kMostGuessedSize = 4.0;
@@ -95,7 +89,7 @@ void ProgressiveRenderer::addCloud(std::shared_ptr<PointStore> store)
     entry->store = std::move(store);
     applyDisplay(*entry);
     m_entries.push_back(std::move(entry));
-    m_layersChanged = m_rangeNeeded = true;
+    m_layersChanged = m_rangeNeeded = m_agreementNeeded = true;
 }
 
 void ProgressiveRenderer::removeCloud(const PointCloud& cloud)
@@ -141,7 +135,7 @@ void ProgressiveRenderer::valuesChanged(const PointCloud& cloud, const ChangeNot
         }
         if (shown == nullptr) shown = cloud.findAttribute(firstAttribute(cloud, {0, cloud.size()}));
         entry->store->show(*shown);
-        m_rangeNeeded = true;
+        m_rangeNeeded = m_agreementNeeded = true;
     } else {
         const bool classesChanged = classes != nullptr && notice.concerns(*classes);
         const bool shownChanged = notice.concerns(before);
@@ -227,30 +221,11 @@ void ProgressiveRenderer::setDisplay(const DisplaySettings& display)
         m_viewChanged = true;
     if (before.classVisible != m_display.classVisible || before.clip != m_display.clip) m_rangeNeeded = true;
     if (before.range != m_display.range || before.attribute != m_display.attribute) m_rangeNeeded = true;
-    if (before.attribute != m_display.attribute)
+    if (before.attribute != m_display.attribute) {
         for (const auto& entry : m_entries) applyDisplay(*entry);
-    m_resolveNeeded = m_visibleOutdated = true;
-}
-
-void ProgressiveRenderer::applyDisplay(Entry& entry)
-{
-    if (m_display.attribute.empty()) return;
-    const PointCloud& cloud = entry.store->cloud();
-    const std::shared_lock lock(cloud.mutex());
-    const Attribute* const wanted = cloud.findAttribute(m_display.attribute);
-    if (wanted == nullptr || wanted->kind == AttributeKind::Opaque) return;
-    if (entry.store->encoder()) {
-        const Attribute shown = entry.store->shown();
-        if (shown.name == wanted->name && shown.columns == wanted->columns) return;
+        m_agreementNeeded = true;
     }
-    entry.store->show(*wanted);
-}
-
-std::string ProgressiveRenderer::shownAttribute() const
-{
-    for (const auto& entry : m_entries)
-        if (const auto encoder = entry->store->encoder()) return encoder->attribute().name;
-    return m_display.attribute;
+    m_resolveNeeded = m_visibleOutdated = true;
 }
 
 void ProgressiveRenderer::updateScene()
@@ -290,32 +265,6 @@ PointStyle ProgressiveRenderer::styleOf(Entry& entry) const
     // Of a part of the points, the spacing is a guess, and larger than it will be: no blocks while a file loads.
     if (entry.loading) style.most = kMostGuessedSize;
     return style;
-}
-
-void ProgressiveRenderer::updateRange()
-{
-    if (m_display.range) {
-        m_range = *m_display.range;
-        m_rangeNeeded = false;
-        return;
-    }
-    std::vector<double> values;
-    for (const auto& entry : m_entries) {
-        PointStore& store = *entry->store;
-        const auto encoder = store.encoder();
-        entry->filledAtRange = store.filled();
-        if (!encoder || encoder->kind() != WordKind::Scalar) continue;
-        const std::shared_lock lock(store.cloud().mutex());
-        addShownValues(store, encoder->attribute(), m_display, kRangeSamples / m_entries.size() + 1, values);
-    }
-    m_rangeNeeded = false;
-    if (values.empty()) return;
-    const auto percentile = [&](double share) {
-        const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
-        std::nth_element(values.begin(), at, values.end());
-        return *at;
-    };
-    m_range = {percentile(kLowPercentile), percentile(kHighPercentile)};
 }
 
 void ProgressiveRenderer::beginPass() noexcept
@@ -483,8 +432,8 @@ ResolveSettings ProgressiveRenderer::colorSettings() const
         LayerColors colors;
         if (const auto encoder = entry->store->encoder()) {
             colors.kind = encoder->kind();
-            colors.low = float(m_range.first - encoder->bias());
-            colors.high = float(m_range.second - encoder->bias());
+            colors.low = float(entry->range.first - encoder->bias());
+            colors.high = float(entry->range.second - encoder->bias());
             colors.marked = encoder->selection() != nullptr;
         }
         settings.layers.push_back(colors);
@@ -540,6 +489,7 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
         if (entry->loading && store.filled() > entry->filledAtRange + entry->filledAtRange / 2)
             m_rangeNeeded = true;
     }
+    agreeOnAttribute();
     judgeColors();
     if (!anyStale() && (m_streaming || m_redrawWhenFresh)) wordsFresh();
     if (ready() && !m_rangeNeeded) {
@@ -621,6 +571,7 @@ FrameReport ProgressiveRenderer::renderBruteForce()
 {
     const double started = now();
     FrameReport report;
+    agreeOnAttribute();
     judgeColors();
     updateScene();
     if (m_backend->target() == m_size)

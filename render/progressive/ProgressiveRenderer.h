@@ -91,7 +91,7 @@ public:
     const DisplaySettings& display() const noexcept { return m_display; }
     /// Range that scalar colors are drawn over at present (world values of the attribute).
     std::pair<double, double> range() const noexcept { return m_range; }
-    /// Name of the attribute on screen.
+    /// Name of the attribute on screen: the display's where a cloud has it, else what the first cloud shows.
     std::string shownAttribute() const;
 
     // -- frames
@@ -133,6 +133,13 @@ private:
     Entry* find(const PointCloud& cloud) noexcept;
     bool ready() const noexcept;
     void applyDisplay(Entry& entry);
+    /// Whether a cloud has this attribute, and did not show it already.
+    bool show(Entry& entry, const std::string& name);
+    /// One legend serves all clouds: what the first of those shows that are colored by a range, all of these show
+    /// that have it.
+    void agreeOnAttribute();
+    /// Name of the attribute that the range is of; empty when no cloud is colored by one.
+    std::string scalarInLegend() const;
     void judgeColors();
     void updateScene();
     void updateRange();
@@ -184,6 +191,7 @@ private:
     bool m_viewChanged = true;  ///< camera, point size, hidden classes: what is visible must be seen anew
     bool m_resolveNeeded = true;
     bool m_rangeNeeded = true;
+    bool m_agreementNeeded = true;   ///< on the attribute of the legend
     bool m_visibleOutdated = true;   ///< words of visible points may not be those of the present values
     bool m_streaming = false;        ///< words were out of date in the last frame
     bool m_redrawWhenFresh = false;  ///< classes changed while some are hidden

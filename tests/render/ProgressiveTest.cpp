@@ -43,6 +43,7 @@ private Q_SLOTS:
     void rangeIsSecondToNinetyEighthPercentile();
     void rangeIsOfWhatIsShown();
     void severalCloudsInOneView();
+    void oneLegendForAllClouds();
     void picksWhatIsOnScreen();
     void partsMakeUpThePicture();
     void emptyCloudsAreNoTrouble();
@@ -535,6 +536,38 @@ void ProgressiveTest::severalCloudsInOneView()
     view.converge();
     View alone({storeB}, camera, display);
     QCOMPARE(differing(view.renderer.image(), alone.bruteForce()), 0);
+}
+
+// Clouds that come up with attributes of their own show that of the legend; what lacks it does not spoil its range.
+void ProgressiveTest::oneLegendForAllClouds()
+{
+    const auto fill = [](PointCloud& cloud, const char* name, auto value) {
+        for (auto& v : cloud.findAttribute(name)->columns[0]->values<decltype(value)>()) v = value;
+    };
+    const auto bright = test::makeCloud(20'000), plain = test::makeCloud(20'000), poor = test::makeCloud(20'000);
+    for (const auto& cloud : {bright, plain, poor})
+        for (const char* name : {"Red", "Green", "Blue"}) fill(*cloud, name, std::uint16_t(0));
+    for (const auto& cloud : {plain, poor}) {
+        fill(*cloud, "Intensity", std::uint16_t(3000));
+        fill(*cloud, "Classification", std::uint8_t(2));
+    }
+    poor->removeAttribute("Intensity");
+    View view({filledStore(bright), filledStore(plain), filledStore(poor)}, cameraFor(*bright, 320, 200), {});
+    view.converge();
+    QCOMPARE(view.renderer.shownAttribute(), std::string("Intensity"));
+    QVERIFY(view.renderer.range().first >= 0 && view.renderer.range().first < 200);
+    QCOMPARE(view.renderer.range().second, 3000.0);
+    DisplaySettings display;
+    display.attribute = "Intensity";
+    View chosen({filledStore(bright), filledStore(plain), filledStore(poor)}, cameraFor(*bright, 320, 200),
+                display);
+    QCOMPARE(differing(view.renderer.image(), chosen.bruteForce()), 0);
+
+    // What was chosen is what is told, also where the first cloud lacks it.
+    View other({filledStore(poor), filledStore(bright)}, cameraFor(*bright, 320, 200), display);
+    other.converge();
+    QCOMPARE(other.renderer.shownAttribute(), std::string("Intensity"));
+    QVERIFY(other.renderer.range().second > 2000);
 }
 
 void ProgressiveTest::picksWhatIsOnScreen()
