@@ -65,6 +65,18 @@ class MarksTest : public QObject
 {
     Q_OBJECT
 private slots:
+    void longValuesStandApart()
+    {
+        const MarkStyle style;
+        Legend times = barOf(1);
+        times.values = QStringList{QStringLiteral("336,380,160.1059"), QStringLiteral("336,380,160.3939")};
+        const QFontMetricsF metrics(style.font);
+        const double both = metrics.horizontalAdvance(times.values[0]) + metrics.horizontalAdvance(times.values[1]);
+        const QSizeF wide = legendSize(times, style, {2000, 400}), narrow = legendSize(times, style, {180, 400});
+        QVERIFY(wide.width() > both + 2 * kMarkMargin);
+        QVERIFY(narrow.width() <= 180 && narrow.height() >= wide.height() + metrics.height());
+    }
+
     void legendIsNoWiderThanItsRoom()
     {
         const MarkStyle style;

@@ -514,9 +514,12 @@ private slots:
         QVERIFY(b.window->selectTools().tool() == Tool::Rectangle);
         // without one that is chosen nothing is removed
         QVERIFY(!b.window->measureDock().removeButton().isEnabled());
-        QWidget* const classes = b.window->classesDock().findChild<QAbstractItemView*>();
+        // a click gives the list the keys
+        auto* const classes = b.window->classesDock().findChild<QAbstractItemView*>();
         QVERIFY(classes);
-        classes->setFocus();
+        QTest::mouseClick(classes->viewport(), Qt::LeftButton, {},
+                          classes->visualRect(classes->model()->index(0, ClassesModel::Name)).center());
+        QCOMPARE(b.window->focusWidget(), static_cast<QWidget*>(classes));
         QTest::keyClick(classes, Qt::Key_6);
         QTest::keyClick(classes, Qt::Key_Delete);
         QVERIFY(b.done());

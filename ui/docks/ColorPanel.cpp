@@ -88,6 +88,7 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
         connect(field, &QLineEdit::editingFinished, this, &ColorPanel::applyRange);
         connect(field, &NumberField::problemChanged, this, [this] {
             m_problem->setText(m_low->problem().isEmpty() ? m_high->problem() : m_low->problem());
+            m_problem->setMinimumHeight(m_problem->heightForWidth(contentsRect().width()));
             m_problem->setVisible(!m_problem->text().isEmpty());
         });
     }

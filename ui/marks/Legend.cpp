@@ -22,7 +22,8 @@ constexpr double kWidth = 232, kLeastWidth = 120;
 constexpr double kEdge = 10;   // above the title and below the last line
 constexpr double kBarGap = 7;  // between title and bar
 constexpr double kBarHeight = 10;
-constexpr double kValueGap = 5;   // between bar and values
+constexpr double kValueGap = 5;  // between bar and values
+constexpr double kBetweenValues = 10;
 constexpr double kSwatch = 12;    // a color of the key
 constexpr double kSwatchGap = 9;  // between a color and its name
 constexpr double kRowGap = 4;     // between lines of the key
@@ -34,6 +35,7 @@ struct Layout {
     std::vector<std::size_t> shown;  ///< entries, in their order
     std::size_t left = 0;            ///< entries that have no line
     bool remark = false;
+    bool stacked = false;  ///< the bar's last value stands below its first: beside it there is no room
 };
 
 Layout layoutOf(const Legend& legend, const MarkStyle& style, QSizeF room)
@@ -46,7 +48,14 @@ Layout layoutOf(const Legend& legend, const MarkStyle& style, QSizeF room)
     layout.width = most;
     layout.height = kEdge + layout.line;
     if (legend.bar) {
-        layout.height += kBarGap + kBarHeight + kValueGap + layout.line + kEdge - 1;
+        const double widest = std::max(most, room.width() / style.scale);
+        const double values = legend.values.size() < 2 ? 0.0
+                                                       : metrics.horizontalAdvance(legend.values.front()) +
+                                                             metrics.horizontalAdvance(legend.values.back()) +
+                                                             kBetweenValues + 2 * kMarkMargin;
+        layout.width = std::clamp(values, most, widest);
+        layout.stacked = values > layout.width;
+        layout.height += kBarGap + kBarHeight + kValueGap + (layout.stacked ? 2 : 1) * layout.line + kEdge - 1;
         return layout;
     }
     layout.remark = !legend.remark.isEmpty();
@@ -110,7 +119,7 @@ void paintValues(QPainter& painter, const QRectF& line, const QStringList& value
     for (const QString& value : values) widest = std::max(widest, metrics.horizontalAdvance(value));
     int stride = count - 1;
     for (int wish = 1; wish < count - 1; ++wish)
-        if ((count - 1) % wish == 0 && line.width() * wish / (count - 1) >= widest + 10) {
+        if ((count - 1) % wish == 0 && line.width() * wish / (count - 1) >= widest + kBetweenValues) {
             stride = wish;
             break;
         }
@@ -162,7 +171,14 @@ void paintLegend(QPainter& painter, QPointF corner, const Legend& legend, const 
         const QRectF bar(kMarkMargin, title.bottom() + kBarGap, inner, kBarHeight);
         paintBar(painter, bar, legend.table);
         painter.setPen(kMarkText);
-        paintValues(painter, QRectF(kMarkMargin, bar.bottom() + kValueGap, inner, layout.line), legend.values);
+        const QRectF line(kMarkMargin, bar.bottom() + kValueGap, inner, layout.line);
+        if (layout.stacked) {
+            text(kMarkMargin, line.top(), layout.line, legend.values.front());
+            painter.drawText(line.translated(0, layout.line), Qt::AlignRight | Qt::AlignVCenter,
+                             metrics.elidedText(legend.values.back(), Qt::ElideRight, inner));
+        } else {
+            paintValues(painter, line, legend.values);
+        }
     } else if (legend.entries.empty()) {
         text(kMarkMargin, title.bottom() + 3, layout.line, legend.remark);
     } else {

@@ -24,8 +24,8 @@ void NumberField::put(double value, const QString& plain)
     m_value = value;
     m_plain = plain;
     m_put = shown;
+    refuse({});  // before the text changes: what was wrong with the old one is no matter
     if (text() != shown) setText(shown);
-    refuse({});
 }
 
 void NumberField::put(const QString& plain)
@@ -33,8 +33,8 @@ void NumberField::put(const QString& plain)
     m_value.reset();
     m_plain.clear();
     m_put = localNumber(plain);
-    setText(m_put);
     refuse({});
+    setText(m_put);
 }
 
 std::optional<double> NumberField::number() const
