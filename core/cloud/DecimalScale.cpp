@@ -20,6 +20,10 @@ constexpr auto kPowers = [] {
     return powers;
 }();
 
+/// A scale of 16 digits is no decimal one but what a division gave, a 127th say: its products have more digits than
+/// doubles tell apart.
+constexpr double kLongScale = 1e15;
+
 }  // namespace
 
 DecimalScale::DecimalScale(double scale, double offset) noexcept
@@ -37,7 +41,7 @@ DecimalScale::DecimalScale(double scale, double offset) noexcept
         m_unit = unit;
         m_exact = true;
         m_exact32 = std::abs(factor) <= 0x1p20 && std::abs(factor) * 0x1p32 + std::abs(base) <= kWhole;
-        m_decimals = int(k);
+        if (std::abs(factor) < kLongScale) m_decimals = int(k);
         return;
     }
 }

@@ -205,12 +205,10 @@ public:
         m_box = box;
         m_side = std::sqrt(size.x * size.y / std::max(1.0, double(points) / kPointsPerCell));
         m_side = std::max(m_side, std::sqrt(size.x * size.y / (double(kMostCells) / 4)));
-        m_columns = std::size_t(size.x / m_side) + 1;
-        m_rows = std::size_t(size.y / m_side) + 1;
-        if (m_columns > kMostCells / m_rows) {
-            m_columns = m_rows = 0;  // a line of points: it has no area to speak of
-            return;
-        }
+        const double columns = std::floor(size.x / m_side) + 1, rows = std::floor(size.y / m_side) + 1;
+        if (!(columns * rows <= double(kMostCells))) return;  // a line of points: it has no area to speak of
+        m_columns = std::size_t(columns);
+        m_rows = std::size_t(rows);
         m_words = std::vector<std::atomic<std::uint64_t>>(m_columns * m_rows / 64 + 1);
     }
     bool any() const { return m_columns != 0; }

@@ -16,15 +16,19 @@ namespace
 constexpr double kPlainFrom = 1e-6, kPlainTo = 1e15;  ///< magnitudes that are written without an exponent
 constexpr int kMostDecimals = 30;
 
+bool isPlain(double value)
+{
+    const double magnitude = std::abs(value);
+    return magnitude == 0.0 || (magnitude >= kPlainFrom && magnitude < kPlainTo) || std::isinf(value);
+}
+
 template <typename T>
 std::string shortest(T value)
 {
     if (std::isnan(value)) return "nan";
-    const auto magnitude = std::abs(double(value));
-    const bool plain = magnitude == 0.0 || (magnitude >= kPlainFrom && magnitude < kPlainTo) || std::isinf(value);
     char text[64];
     return {text, std::to_chars(text, text + sizeof text, value,
-                                plain ? std::chars_format::fixed : std::chars_format::scientific)
+                                isPlain(double(value)) ? std::chars_format::fixed : std::chars_format::scientific)
                       .ptr};
 }
 
@@ -76,6 +80,8 @@ std::string roundedText(double value, int decimals)
         text.erase(text.find_last_not_of('0') + 1);
         if (text.back() == '.') text.pop_back();
     }
+    const double number = numberOf(text);
+    if (!isPlain(number)) return shortestText(number);
     return text == "-0" ? "0" : text;
 }
 

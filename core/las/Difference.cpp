@@ -15,7 +15,8 @@ namespace
 {
 
 constexpr std::size_t kMostInSummary = 6;  ///< attributes or records named one by one
-constexpr std::size_t kMostColumn = 40;    ///< characters that a column of the report is padded to
+constexpr std::size_t kMostValue = 40;     ///< columns that a value of the report takes
+constexpr std::size_t kMostColumn = 100;   ///< that a column is padded to: paths of files are long
 
 std::string name(const RecordDifference& r)
 {
@@ -38,7 +39,7 @@ void addTable(std::string& out, const std::string& heading, const std::vector<Ro
 
 std::string shortened(const std::string& text)
 {
-    return cutToWidth(text, kMostColumn);
+    return cutToWidth(text, kMostValue);
 }
 
 /// A row for each field, and one for all elements of an array that differ.

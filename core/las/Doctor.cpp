@@ -93,12 +93,11 @@ private:
         const std::uint64_t first = m_h.extendedCounts() ? m_h.get(at::kPointCount) : classic;
         const std::uint64_t wanted = legacy ? points : 0;
         if (first != points)
-            findRepairable("The header says " + std::to_string(first) + " points, the file holds " +
-                               std::to_string(points) + ".",
+            findRepairable("The header says " + grouped(first) + " points, the file holds " + grouped(points) + ".",
                            "The header's count becomes " + grouped(points) + ".");
         else if (classic != wanted)
-            findRepairable("The header's legacy count is " + std::to_string(classic) + ", where it has to be " +
-                               std::to_string(wanted) + (legacy ? "." : " for this point format."),
+            findRepairable("The header's legacy count is " + grouped(classic) + ", where it has to be " +
+                               grouped(wanted) + (legacy ? "." : " for this point format."),
                            "The legacy count becomes " + grouped(wanted) + ".");
         mended().set(at::kLegacyCount, std::uint32_t(wanted));
         if (m_h.extendedCounts()) mended().set(at::kPointCount, points);
@@ -371,11 +370,12 @@ private:
     void coordinates()
     {
         for (std::size_t k = 0; k < 3; ++k) {
-            const double scale = m_h.get(at::kScale[k]);
+            const double scale = m_h.get(at::kScale[k]), offset = m_h.get(at::kOffset[k]);
             const std::string axis(1, "XYZ"[k]);
-            if (scale != m_s.coordinates.scale[int(k)] || std::isnan(scale))
+            // what is no number differs from any
+            if (scale != m_s.coordinates.scale[int(k)] || offset != m_s.coordinates.offset[int(k)])
                 find("The scale or offset of " + axis + " cannot be used (" + shortestText(scale) + ", " +
-                         shortestText(m_h.get(at::kOffset[k])) + ").",
+                         shortestText(offset) + ").",
                      "Nobody but the file's maker can know it.");
             else if (scale < 0)
                 find("The scale of " + axis + " is negative.", "Many programs take it for a mistake.");
@@ -397,7 +397,8 @@ private:
         const WorldBounds& box = m_f.common;
         for (int k = 0; k < 3; ++k) {
             const CoordinateScale& grid = m_s.coordinates;
-            const auto face = [&](double v) { return roundedText(v, std::max(0, decimalsOf(grid, k))); };
+            const int decimals = decimalsOf(grid, k);
+            const auto face = [&](double v) { return decimals < 0 ? shortestText(v) : roundedText(v, decimals); };
             condition += (condition.empty() ? "" : " or ") + std::string(1, "XYZ"[k]) + " not in " +
                          face(box.min[k] - grid.scale[k]) + ".." + face(box.max[k] + grid.scale[k]);
         }

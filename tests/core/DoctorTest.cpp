@@ -3,11 +3,13 @@
 // held against LASzip's own API, and byte by byte.
 #include "core/Error.h"
 #include "core/cloud/PointFigures.h"
+#include "core/expression/Condition.h"
 #include "core/las/HeaderWords.h"
 #include "core/las/Reader.h"
 #include "core/las/Repair.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
+#include "tests/core/LoadAndSave.h"
 #include "tests/core/MadeCloud.h"
 
 #include <QTemporaryDir>
@@ -144,6 +146,8 @@ private slots:
     void figuresOfNothing();
     void densityOfAGrid();
     void strays();
+    void whatDeletesStraysLeavesTheOthers();
+    void linesOfPointsHaveNoDensity();
     void words();
     void soundFilesHaveNoFaults_data();
     void soundFilesHaveNoFaults();
@@ -245,6 +249,36 @@ void DoctorTest::strays()
     QCOMPARE(f.strays, std::uint64_t(2));
     QVERIFY(f.common.max.x < 300 && f.common.min.y > -300);
     QVERIFY2(std::abs(f.density - 1.0) < 0.12, qPrintable(QString::number(f.density)));
+}
+
+void DoctorTest::whatDeletesStraysLeavesTheOthers()
+{
+    // also where the scale is no decimal number, as one that passed through a float
+    for (const double scale : {0.01, double(1e-7f), 1.0 / 3.0}) {
+        Bytes records = soundRecords(0);
+        lasfiles::set(records, 0, std::int32_t(2'000'000'000));
+        Bytes head = lasfiles::header(2, 0, 20, kPoints);
+        for (std::size_t k = 0; k < 3; ++k) lasfiles::set(head, 131 + 8 * k, scale);
+        lasfiles::writeFile(path("strays.las"), lasfiles::file(head, {}, records));
+        const auto cloud = lasfiles::load(path("strays.las"));
+        Progress progress;
+        std::string mend;
+        for (const las::Finding& f : las::examine(*cloud, progress).diagnosis.findings)
+            if (f.fault.find("lies farther") != std::string::npos) mend = f.mend;
+        const std::size_t begin = mend.find("where=\"") + 7, end = mend.find('"', begin);
+        QVERIFY2(end != std::string::npos, mend.c_str());
+        const expression::Condition outside(mend.substr(begin, end - begin), *cloud);
+        QCOMPARE(select(*cloud, outside, progress)->count(), PointIndex(1));
+    }
+}
+
+void DoctorTest::linesOfPointsHaveNoDensity()
+{
+    const auto cloud = makeFrame(1000, {glm::dvec3(1e-300, 1.0, 1.0), glm::dvec3(0)});
+    auto x = cloud->columns()[0]->values<std::int32_t>(), y = cloud->columns()[1]->values<std::int32_t>();
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = y[i] = std::int32_t(i);
+    Progress progress;
+    QCOMPARE(computePointFigures(*cloud, nullptr, progress).density, 0.0);
 }
 
 void DoctorTest::words()
@@ -350,6 +384,8 @@ void DoctorTest::faults_data()
     row("creation year", 1, put(92, std::uint16_t(12345)), "day 100 of the year 12345", false);
     row("creation day", 1, put(90, std::uint16_t(400)), "day 400 of the year 2020", false);
     row("scale 0", 1, put(131, 0.0), "The scale or offset of X cannot be used", false);
+    row("offset that is no number", 1, put(155, std::nan("")),
+        "The scale or offset of X cannot be used (0.01, nan)", false);
     row("negative scale", 1, put(131, -0.01), "The scale of X is negative", false);
     row("return number 0", 1, point(14, std::uint8_t(0)), "1 point has return number 0", false);
     row("return above", 1, point(14, std::uint8_t(3 | 1 << 3)), "1 point has a return number above", false);

@@ -149,6 +149,10 @@ void ValueTextTest::numbers()
     QVERIFY(roundedText(470.28000000000003, 5) == "470.28");
     QVERIFY(roundedText(-0.0000001, 3) == "0");
     QVERIFY(roundedText(1200.0, 0) == "1200");
+    // no rows of zeros, nor digits that mean nothing
+    QVERIFY(roundedText(1.25e302, 9) == "1.25e+302" && roundedText(5.1294e-17, 20) == "5.129e-17");
+    QVERIFY(roundedText(-2.25e-7, 9) == "-2.25e-07" && roundedText(1e-12, 9) == "0");
+    QVERIFY(text(1.0 / 127, 0.0, -126) == "-0.9921259842519685" && text(1.0 / 3, 0.0, 99) == "33");
     QVERIFY(decimalText(1e300, 1000).size() < 400);
 }
 
