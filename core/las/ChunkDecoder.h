@@ -31,10 +31,11 @@ public:
     virtual std::size_t decode(std::size_t count, std::byte* records) = 0;
     /// Bytes of the chunk taken so far; one more than there are when more were asked for.
     virtual std::uint64_t position() const = 0;
-    /// Of chunks of one coder: how many zeros it ends with if the last point decoded was the last one, and whether
-    /// what comes before these can be its end. No zeros: the chunk has an end of its own for each layer.
+    /// If the last point decoded was the last one: whether a coder can have written the chunk's last bytes. Of
+    /// chunks in layers, which have a coder each: those of all layers.
+    virtual bool endsAsWritten() const = 0;
+    /// How many zeros a coder ends with then; 0 for chunks in layers.
     virtual unsigned zerosAtEnd() const { return 0; }
-    virtual bool endsAsWritten() const { return true; }
 };
 
 }  // namespace punctum::las

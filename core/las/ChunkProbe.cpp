@@ -3,6 +3,7 @@
 
 #include "core/las/ChunkDecoder.h"
 #include "core/las/File.h"
+#include "core/las/PointwiseDecoder.h"
 #include "core/task/Progress.h"
 
 #include <algorithm>
@@ -19,6 +20,7 @@ constexpr std::size_t kDecodeStep = 1024;
 constexpr std::size_t kFewestZeros = 2;                    ///< at the end of a coder's bytes: RangeEncoder::finish
 constexpr std::size_t kByChance = 2;                       ///< more of them are no surprise
 constexpr std::size_t kLongZeros = 16;                     ///< that many in a row no coder writes by chance
+constexpr std::size_t kSector = 512;                       ///< the least that a copy leaves out
 constexpr std::size_t kMostProved = std::size_t(1) << 30;  ///< bytes of records that are compressed for a proof
 constexpr std::size_t kWindow = std::size_t(1) << 16;
 
@@ -28,18 +30,32 @@ std::size_t zerosAtEnd(std::span<const std::byte> data)
     return std::size_t(last - data.rbegin());
 }
 
-/// Where the first long run of zeros begins; data.size() when there is none. A run has one of every kLongZeros
-/// bytes.
-std::size_t firstZeros(std::span<const std::byte> data)
+/// Where the first run of at least so many zeros begins; data.size() when there is none. A run has one of every
+/// `least` bytes.
+std::size_t firstZeros(std::span<const std::byte> data, std::size_t least = kLongZeros)
 {
-    for (std::size_t at = kLongZeros - 1; at < data.size(); at += kLongZeros) {
+    for (std::size_t at = least - 1; at < data.size(); at += least) {
         if (data[at] != std::byte(0)) continue;
         std::size_t begin = at;
         while (begin > 0 && data[begin - 1] == std::byte(0)) --begin;
-        const auto run = data.subspan(begin, std::min(kLongZeros, data.size() - begin));
-        if (zerosAtEnd(run) == kLongZeros) return begin;
+        const auto run = data.subspan(begin, std::min(least, data.size() - begin));
+        if (zerosAtEnd(run) == least) return begin;
     }
     return data.size();
+}
+
+bool provable(const LazInfo& info, std::uint64_t count)
+{
+    return count <= kMostProved / info.recordLength;
+}
+
+/// The bytes that a chunk's points give when they are compressed again.
+std::vector<std::byte> compressedAgain(const LazInfo& info, std::span<const std::byte> data, std::uint64_t count)
+{
+    std::vector<std::byte> records(std::size_t(count * info.recordLength));
+    PointDecoder again(info, data, count);
+    if (again.decode(std::size_t(count), records.data()) != count) return {};
+    return encodeChunk(info, records, Progress());
 }
 
 }  // namespace
@@ -127,20 +143,25 @@ Chunk ChunkProbe::next(std::uint64_t at, std::uint64_t end, std::uint64_t first,
 Chunk ChunkProbe::withoutZeros(const Chunk& chunk) const
 {
     const std::uint64_t end = chunk.offset + chunk.bytes;
-    const std::uint64_t zeros = zerosBefore(m_file, chunk.offset, end);
-    if (end - zeros < kLongZeros) return chunk;
-    Chunk sound = chunk;
-    sound.bytes = zeros - chunk.offset;
-    sound.count = decodable(sound, chunk.count);
-    if (sound.count == chunk.count) return chunk;
-    if (chunk.bytes <= kMostProved && chunk.count <= kMostProved / m_info.recordLength) {
+    const std::uint64_t coded = chunk.offset + std::min<std::uint64_t>(m_info.recordLength, chunk.bytes);
+    std::uint64_t zeros = zerosFrom(m_file, coded, end, kLongZeros);
+    if (zeros == end) return chunk;
+    if (chunk.bytes <= kMostProved && provable(m_info, chunk.count) && PointwiseDecoder::supports(m_info)) {
         const auto data = load(chunk);
         std::vector<std::byte> records(std::size_t(chunk.count * m_info.recordLength));
         PointDecoder decoder(m_info, data, chunk.count);
         if (decoder.decode(std::size_t(chunk.count), records.data()) == chunk.count &&
             wholeChunk(m_info, data, chunk.count, decoder))
             return chunk;
+    } else {  // nothing proves it: short runs are believed but at the end
+        const std::uint64_t last = zerosBefore(m_file, coded, end);
+        zeros = std::min(zerosFrom(m_file, coded, end, kSector), end - last >= kLongZeros ? last : end);
+        if (zeros == end) return chunk;
     }
+    Chunk sound = chunk;
+    sound.bytes = zeros - chunk.offset;
+    sound.count = decodable(sound, chunk.count);
+    if (sound.count == chunk.count) return chunk;
     sound.cut = true;
     return sound;
 }
@@ -148,18 +169,30 @@ Chunk ChunkProbe::withoutZeros(const Chunk& chunk) const
 bool wholeChunk(const LazInfo& info, std::span<const std::byte> data, std::uint64_t count,
                 const PointDecoder& decoder)
 {
+    if (decoder.own() != nullptr && info.compressor == LazInfo::Layered) return decoder.own()->endsAsWritten();
     const auto coded = data.subspan(std::min<std::size_t>(info.recordLength, data.size()));
     const std::size_t zeros = zerosAtEnd(coded);
     if (decoder.own() == nullptr) return zeros < kLongZeros;  // of version 1: we do not write those
-    const std::size_t expected = decoder.own()->zerosAtEnd();
-    if (zeros > expected && !decoder.own()->endsAsWritten()) return false;
-    if (zeros <= expected + kByChance && firstZeros(coded) == coded.size()) return true;
-    if (count > kMostProved / info.recordLength) return false;
-    std::vector<std::byte> records(std::size_t(count * info.recordLength));
-    PointDecoder again(info, data, count);
-    if (again.decode(std::size_t(count), records.data()) != count) return false;
-    const auto bytes = encodeChunk(info, records, Progress());
-    return std::equal(bytes.begin(), bytes.end(), data.begin(), data.end());
+    if (!decoder.own()->endsAsWritten()) return false;
+    if (zeros <= decoder.own()->zerosAtEnd() + kByChance && firstZeros(coded) == coded.size()) return true;
+    if (!provable(info, count)) return false;
+    const std::vector<std::byte> again = compressedAgain(info, data, count);
+    return std::equal(again.begin(), again.end(), data.begin(), data.end());
+}
+
+std::uint64_t zerosFrom(const File& file, std::uint64_t begin, std::uint64_t end, std::uint64_t least)
+{
+    std::vector<std::byte> window;
+    std::uint64_t run = 0;  // zeros before `at`
+    for (std::uint64_t at = begin; at < end; at += window.size()) {
+        window.resize(std::size_t(std::min<std::uint64_t>(kWindow, end - at)));
+        file.readAt(at, window);
+        for (std::size_t k = 0; k < window.size(); ++k) {
+            run = window[k] == std::byte(0) ? run + 1 : 0;
+            if (run == least) return at + k + 1 - run;
+        }
+    }
+    return end;
 }
 
 std::uint64_t zerosBefore(const File& file, std::uint64_t begin, std::uint64_t end, std::uint64_t most)

@@ -31,7 +31,7 @@ public:
     /// The chunk of `want` points that begins at `at`, which is not whole where fewer are found or where its bytes
     /// cannot be all a coder's: then it is cut off before the damage, and may have no points.
     Chunk next(std::uint64_t at, std::uint64_t end, std::uint64_t first, std::uint64_t want) const;
-    /// The stream of chunk.count points without those that would be made of the zeros at its end.
+    /// The stream of chunk.count points up to where zeros stand in place of its bytes.
     Chunk withoutZeros(const Chunk& chunk) const;
 
 private:
@@ -41,13 +41,17 @@ private:
     const LazInfo& m_info;
 };
 
-/// Whether the bytes of a pointwise chunk are whole, whose `count` points have been decoded by `decoder`. Zeros are
-/// what is read where a copy was interrupted, and they decode to points that never were. A coder ends with two or
-/// three of them (see RangeDecoder::zerosAtEnd); one or two more come by chance, and then the end must be one that
-/// it can have written. Longer runs it writes, too, for points that all go on as those before; so whatever has them
-/// must give the same bytes when it is compressed again.
+/// Whether the bytes of a chunk are whole, whose `count` points have been decoded by `decoder`. Zeros are what is
+/// read where a copy was interrupted, and they decode to points that never were. A coder ends with two or three of
+/// them (see RangeDecoder::zerosAtEnd); one or two more come by chance, and then the end must be one that it can
+/// have written. Longer runs it writes, too, for points that all go on as those before; so whatever has them must
+/// give the same bytes when it is compressed again. Of layers, that says nothing where another program wrote them;
+/// so only their ends, and runs as long as a sector, are doubted.
 bool wholeChunk(const LazInfo& info, std::span<const std::byte> data, std::uint64_t count,
                 const PointDecoder& decoder);
+
+/// First byte of the first `least` zeros in a row in a file's part [begin, end); `end` when there are none.
+std::uint64_t zerosFrom(const File& file, std::uint64_t begin, std::uint64_t end, std::uint64_t least);
 
 /// First byte of the zeros that a file's part [begin, end) ends with; `end` when it ends with none. Looks at no
 /// more than `most` bytes.

@@ -2,6 +2,7 @@
 #include "core/las/ChunkTable.h"
 
 #include "core/Error.h"
+#include "core/Text.h"
 #include "core/las/ChunkProbe.h"
 #include "core/las/File.h"
 #include "core/las/RangeCoder.h"
@@ -210,7 +211,7 @@ private:
             first += c.count;
         }
         if (!sizeHolds && counted.size() > 1)
-            m_list.warnings.push_back("The stated chunk size " + number(m_info.chunkSize) +
+            m_list.warnings.push_back("The stated chunk size " + grouped(m_info.chunkSize) +
                                       " is wrong; the chunks were counted.");
         m_list.chunks = std::move(counted);
         warnCount(stated(), first);
@@ -326,7 +327,7 @@ private:
     {
         if (said == found) return;
         const std::string sentence =
-            "The header says " + number(said) + " points, the file holds " + number(found) + ".";
+            "The header says " + grouped(said) + " points, the file holds " + grouped(found) + ".";
         if (found < said)
             lose(sentence);
         else

@@ -591,4 +591,11 @@ std::uint64_t LayeredDecoder::position() const
     return position;
 }
 
+bool LayeredDecoder::endsAsWritten() const
+{
+    const Impl& impl = *m_impl;
+    return impl.first.in().zerosAsWritten() && std::all_of(impl.present.begin(), impl.present.end(),
+                                                           [](const Layer* l) { return l->in().zerosAsWritten(); });
+}
+
 }  // namespace punctum::las

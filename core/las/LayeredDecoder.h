@@ -23,6 +23,7 @@ public:
     std::string start(std::span<const std::byte> chunk) override;
     std::size_t decode(std::size_t count, std::byte* records) override;
     std::uint64_t position() const override;
+    bool endsAsWritten() const override;
 
 private:
     struct Impl;

@@ -75,7 +75,7 @@ unsigned PointwiseDecoder::zerosAtEnd() const
 
 bool PointwiseDecoder::endsAsWritten() const
 {
-    return m_impl->in.endsAsWritten();
+    return m_impl->in.zerosAsWritten();
 }
 
 }  // namespace punctum::las

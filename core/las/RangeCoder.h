@@ -210,11 +210,15 @@ public:
 
     /// How many zeros an encoder that is at this point ends with (RangeEncoder::finish).
     unsigned zerosAtEnd() const noexcept { return longEnd(m_length) ? 3 : 2; }
-    /// Whether the bytes that were read ahead are an end that such an encoder writes: a number just so far above
-    /// its base as to tell its last interval from others, in one or two bytes.
-    bool endsAsWritten() const noexcept
+    /// Whether such an encoder can have written the zeros that the bytes end with. Where there are more than its
+    /// own, those before them must be an end that it writes: a number just so far above its base as to tell its
+    /// last interval from others, in one or two bytes.
+    bool zerosAsWritten() const noexcept
     {
-        return endAbove(m_length) - m_value < (longEnd(m_length) ? 1u << 24 : 1u << 16);
+        const std::byte* last = m_end;
+        while (last != m_begin && last[-1] == std::byte(0)) --last;
+        return m_end - last <= std::ptrdiff_t(zerosAtEnd()) ||
+               endAbove(m_length) - m_value < (longEnd(m_length) ? 1u << 24 : 1u << 16);
     }
 
     static constexpr bool kEncodes = false;

@@ -2,6 +2,7 @@
 #include "core/las/Reader.h"
 
 #include "core/Error.h"
+#include "core/Text.h"
 #include "core/las/ChunkProbe.h"
 #include "core/las/Compatible.h"
 #include "core/las/ExtraBytesRange.h"
@@ -33,11 +34,6 @@ constexpr std::size_t kMostWarnings = 10;        ///< of damaged chunks, one sen
 constexpr std::uint64_t kDecodeStep = 2048;      ///< points between two looks at the cancel flag
 constexpr std::uint64_t kDecodeBytes = 1 << 17;  ///< LAZ: of records at once, to leave the cache to the models
 
-std::string count(std::uint64_t n)
-{
-    return std::to_string(n);
-}
-
 /// What is done with points as they come, by the worker that has them.
 struct Receiver {
     Reader::RecordVisitor records;              ///< raw records, in pieces that are still in the cache
@@ -67,13 +63,14 @@ struct Shared {
         for (const auto& [range, why] : missing) {
             result.missing.push_back(range);
             if (result.warnings.size() < kMostWarnings)
-                result.warnings.push_back("The points " + count(range.first) + " to " + count(range.last - 1) +
+                result.warnings.push_back("The points " + grouped(range.first) + " to " + grouped(range.last - 1) +
                                           " are damaged and could not be read (" + why + ").");
             else
                 untold += range.size();
         }
         if (untold != 0)
-            result.warnings.push_back("Another " + count(untold) + " points are damaged and could not be read.");
+            result.warnings.push_back("Further points that are damaged and could not be read: " + grouped(untold) +
+                                      ".");
         return result;
     }
 };
@@ -232,7 +229,7 @@ void Reader::Impl::visitChunk(const Chunk& chunk, ChunkWorker& worker, Shared& s
     else
         worker.decoder = std::make_unique<PointDecoder>(parsed.laz, worker.data, chunk.count);
     const auto whole = [&] {
-        return parsed.laz.compressor == LazInfo::Layered || worker.decoder->own() == nullptr ||
+        return worker.decoder->own() == nullptr ||
                wholeChunk(parsed.laz, worker.data, chunk.count, *worker.decoder);
     };
     decode(*worker.decoder, chunk, chunk.cut ? std::function<bool()>() : whole, worker.records, shared);

@@ -73,6 +73,12 @@ private:
         m_s.recovered = true;
     }
 
+    static std::string announcedAndFound(std::uint64_t announced, const std::string& kind, std::uint64_t found)
+    {
+        return grouped(announced) + " " + kind + (announced == 1 ? " record is" : " records are") + " announced, " +
+               grouped(found) + (found == 1 ? " is" : " are") + " found; the bytes after them are kept.";
+    }
+
     void refuseOtherFiles() const
     {
         std::vector<std::byte> head(std::size_t(std::min<std::uint64_t>(m_file.size(), kTellingBytes)));
@@ -152,8 +158,7 @@ private:
         for (std::uint32_t k = 0; k < announced; ++k) {
             Vlr vlr;
             if (!readRecord(offset, end, false, vlr)) {
-                warn(std::to_string(announced) + " variable length records are announced, " + std::to_string(k) +
-                     " are found; the bytes after them are kept.");
+                warn(announcedAndFound(announced, "variable length", k));
                 break;
             }
             offset += vlr.bytesInFile();
@@ -292,22 +297,22 @@ private:
         if (std::find(counts.begin(), counts.end(), held) != counts.end()) {
             m_s.pointCount = held;
             if (counts.size() > 1)
-                warn("The header's two point counts differ (" + std::to_string(counts[0]) + " and " +
-                     std::to_string(counts[1]) + "); the file holds " + std::to_string(held) + ".");
+                warn("The header's two point counts differ (" + grouped(counts[0]) + " and " + grouped(counts[1]) +
+                     "); the file holds " + grouped(held) + ".");
         } else {
             const std::uint64_t stated = counts.front();
             m_s.pointCount = stated < held ? recordsAfterAll(m_file, m_s, begin, stated, held) : held;
-            const std::string sentence = "The header says " + std::to_string(stated) + " points, the file holds " +
-                                         std::to_string(m_s.pointCount) + ".";
+            const std::string sentence =
+                "The header says " + grouped(stated) + " points, the file holds " + grouped(m_s.pointCount) + ".";
             if (m_s.pointCount < stated)
                 warnRecovered(sentence);
             else if (m_s.pointCount > stated)
                 warn(sentence);
             else if (counts.size() > 1)
-                warn("The header's two point counts differ (" + std::to_string(counts[0]) + " and " +
-                     std::to_string(counts[1]) + "); the first is used.");
+                warn("The header's two point counts differ (" + grouped(counts[0]) + " and " + grouped(counts[1]) +
+                     "); the first is used.");
             else if (stated == 0)
-                warn("The header says 0 points, and the " + std::to_string(end - begin) +
+                warn("The header says 0 points, and the " + grouped(end - begin) +
                      " bytes that follow do not look like any; they are kept.");
         }
         const std::uint64_t pointsEnd = begin + m_s.pointCount * length;
@@ -345,8 +350,7 @@ private:
         for (std::uint32_t k = 0; k < count; ++k) {
             Vlr vlr;
             if (!readRecord(offset, m_file.size(), true, vlr)) {
-                warnRecovered(std::to_string(count) + " extended records are announced, " + std::to_string(k) +
-                              " are found; the bytes after them are kept.");
+                warnRecovered(announcedAndFound(count, "extended", k));
                 break;
             }
             if (offset == waveform) m_s.waveformEvlr = m_s.evlrs.size();

@@ -163,7 +163,7 @@ private:
             needs.reasons.push_back(grouped(m_points) + " points are more than it can count");
         if (m_minor < needed) {
             if (m_options.versionMinor)
-                refuse((many ? std::to_string(m_points) + " points need"
+                refuse((many ? grouped(m_points) + " points need"
                              : "Point format " + std::to_string(m_format) + " needs") +
                        " LAS 1." + std::to_string(needed) + " or newer.");
             m_minor = needed;
@@ -325,9 +325,9 @@ private:
         for (const ExtraBytesDescriptor& d : descriptors) data.insert(data.end(), d.bytes.begin(), d.bytes.end());
         const bool large = data.size() > UINT16_MAX;
         if (large && m_minor < 4)
-            refuse(std::to_string(descriptors.size()) + " attributes are more than the " +
-                   std::to_string(UINT16_MAX / ExtraBytesDescriptor::kSize) + " that LAS 1." +
-                   std::to_string(m_minor) + " can describe; LAS 1.4 can.");
+            refuse(grouped(descriptors.size()) + " attributes are more than the " +
+                   grouped(UINT16_MAX / ExtraBytesDescriptor::kSize) + " that LAS 1." + std::to_string(m_minor) +
+                   " can describe; LAS 1.4 can.");
         bool placed = descriptors.empty();
         for (auto* list : {&m_vlrs, &m_plan.evlrs}) {
             for (std::size_t k = 0; k < list->size();) {
@@ -627,7 +627,7 @@ private:
         setFigures();
         if (m_restructured) setSignature();
         if (const auto announced = m_header.get(at::kVlrCount); !m_made && announced != m_source->vlrs.size())
-            note("The header announced " + std::to_string(announced) +
+            note("The header announced " + grouped(announced) +
                  " variable length records; it says now how many there are.");
         m_header.set(at::kVlrCount, std::uint32_t(m_vlrs.size()));
         const auto formatByte = std::uint8_t(m_format | (m_options.compressed ? 0x80 : 0));

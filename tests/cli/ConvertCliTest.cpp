@@ -51,7 +51,7 @@ private slots:
         QTest::newRow("records") << "cases/vlr-count-garbage.las" << 300 << "it says now how many there are";
         QTest::newRow("real records") << "more/bad-vlr-count.las" << -1 << "it says now how many there are";
         QTest::newRow("extended") << "cases/evlr-offset-zero.las" << 100 << "but at 3375; they are read there.";
-        QTest::newRow("zeros") << "cases/laz-zero-tail.laz" << -1 << "The header says 4000 points, the file holds";
+        QTest::newRow("zeros") << "cases/laz-zero-tail.laz" << -1 << "The header says 4,000 points, the file holds";
         QTest::newRow("1.5") << "more/pdrf10-las15.laz" << -1 << "";
     }
     void repairsOrTells()

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/Text.h"
 #include "core/las/ChunkTable.h"
 #include "tests/core/LasFiles.h"
 
@@ -119,7 +120,7 @@ inline std::vector<BadInput> badInputs(std::size_t count)
         rows.push_back({name, std::move(b), true, points, missing, recovered, said});
     };
     const double inf = std::numeric_limits<double>::infinity(), nan = std::nan("");
-    const std::string n = std::to_string(count);
+    const std::string n = punctum::grouped(count);
     const Bytes las = plain(count), las14 = plain14(count);
     const auto chunk = std::uint32_t(count / 5);  // so there are five or six of them
     const Bytes laz3 = laz(count, 3, chunk), laz7 = laz(count, 7, chunk), laz6 = laz(count, 6, chunk);
@@ -148,21 +149,21 @@ inline std::vector<BadInput> badInputs(std::size_t count)
         refuse("8-10 point offset " + std::to_string(offset), with(las, 96, offset),
                "starts at " + std::to_string(offset) + ", outside the file");
     open("11 VLR count", with<std::uint32_t>(las, 100, 0xFFFFFFFFu), count, false,
-         "4294967295 variable length records");
+         "4,294,967,295 variable length records");
     open("12 VLR length",
          with<std::uint16_t>(
              file(header(2, 3, 34, count), {record("a", 1, Bytes(20))}, randomRecords(3, 34, count, 1)), 227 + 20,
              60000),
-         count, false, "1 variable length records are announced, 0");
+         count, false, "1 variable length record is announced, 0");
     for (const std::uint8_t format : {11, 63, 127, 0xC3})
         refuse("13 format " + std::to_string(format), with(las, 104, format), "is not supported");
     refuse("14 record length 0", with<std::uint16_t>(las, 105, 0), "0 bytes long, but point format 3 needs 34");
     refuse("15 record length 20", with<std::uint16_t>(las, 105, 20), "20 bytes long");
     open("16 record length 65535", with<std::uint16_t>(las, 105, 65535), 0, true, "the file holds 0");
     open("16 record length doubled", with<std::uint16_t>(las, 105, 68), count / 2, true,
-         "the file holds " + std::to_string(count / 2));
+         "the file holds " + punctum::grouped(count / 2));
     open("17 count 2^32-1", with<std::uint32_t>(las, 107, 0xFFFFFFFFu), count, true,
-         "4294967295 points, the file holds " + n);
+         "4,294,967,295 points, the file holds " + n);
     open("18 count 2^63", with<std::uint64_t>(las14, 247, 1ull << 63), count, true, "the file holds " + n);
     open("19 two counts", with<std::uint32_t>(las14, 107, 5), count, false, "counts differ");
     refuse("20 version 2.0", with<std::uint16_t>(las, 24, 0x0002), "version 2.0 is not supported");
@@ -170,7 +171,7 @@ inline std::vector<BadInput> badInputs(std::size_t count)
     open("20 version 1.5", with<std::uint8_t>(las14, 25, 5), count, false, "LAS 1.5");
     open("21 1.4 with a short header", with<std::uint8_t>(las, 25, 4), count, false, "should have 375");
     open("22 cut in a record", cut(las, las.size() - 50), count - 2, true,
-         "the file holds " + std::to_string(count - 2));
+         "the file holds " + punctum::grouped(count - 2));
     open("22 header only", cut(las, 227), 0, true, "the file holds 0");
     for (const double scale : {0.0, nan, inf})
         open("23-24 scale " + std::to_string(scale), with(las, 131, scale), count, false, "scale or offset of X");
@@ -199,7 +200,7 @@ inline std::vector<BadInput> badInputs(std::size_t count)
         for (const std::uint64_t lost : {std::uint64_t(0), std::uint64_t(100), std::uint64_t(end + 1), UINT64_MAX})
             open("28 lost EVLRs, said to be at " + std::to_string(lost), with(b, 235, lost), count, false,
                  "but at " + std::to_string(end) + "; they are read there");
-        open("28 EVLR length 2^64-1", with<std::uint64_t>(b, end + 70 + 20, ~0ull), count, true, "1 are found");
+        open("28 EVLR length 2^64-1", with<std::uint64_t>(b, end + 70 + 20, ~0ull), count, true, "1 is found");
         open("28 EVLR length wraps", with<std::uint64_t>(b, end + 20, ~0ull - end - 59), count, true,
              "0 are found");
     }
@@ -300,9 +301,9 @@ inline std::vector<BadInput> badInputs(std::size_t count)
              "the file holds " + std::to_string(k * chunk));
     }
     open("46 count too large, chunked", with<std::uint32_t>(one3, 107, 5000), count, true,
-         "5000 points, the file holds " + n);
+         "5,000 points, the file holds " + n);
     open("46 count too large, layered", with<std::uint64_t>(one6, 247, 5000), count, true,
-         "5000 points, the file holds " + n);
+         "5,000 points, the file holds " + n);
     open("46 count too small, chunked", with<std::uint32_t>(one3, 107, 20), count, false,
          "20 points, the file holds " + n);
     open("46 count too small, layered", with<std::uint64_t>(one6, 247, 20), count, false,

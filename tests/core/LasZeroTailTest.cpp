@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "core/Error.h"
+#include "core/Text.h"
 #include "core/las/Reader.h"
 #include "core/las/Writer.h"
 #include "core/task/Progress.h"
@@ -28,7 +29,10 @@ private slots:
     void hole();
     void pointsThatGoOnAlike_data();
     void pointsThatGoOnAlike();
+    void layers_data();
+    void layers();
     void stream();
+    void holeInStream();
     void plainIsWarnedOf();
 
 private:
@@ -112,11 +116,10 @@ std::uint64_t check(const fs::path& path, const Bytes& before, std::size_t lengt
                 throw std::runtime_error("point " + std::to_string(i) + " was invented: " + given.said());
     if (given.sound == count) return count;
     if (!given.recovered) throw std::runtime_error("the loss is not told");
-    const bool told =
-        given.points < count
-            ? given.said().find("The header says " + std::to_string(count) + " points, the file holds " +
-                                std::to_string(given.points) + ".") != std::string::npos
-            : given.said().find("are damaged and could not be read") != std::string::npos;
+    const bool told = given.points < count
+                          ? given.said().find("The header says " + grouped(count) + " points, the file holds " +
+                                              grouped(given.points) + ".") != std::string::npos
+                          : given.said().find("are damaged and could not be read") != std::string::npos;
     if (!told) throw std::runtime_error("the loss is not told in points: " + given.said());
     // The original must stay.
     const auto cloud = lasfiles::load(path);
@@ -247,6 +250,56 @@ void LasZeroTailTest::pointsThatGoOnAlike()
         if (!table) std::fill(b.begin() + std::ptrdiff_t(lasfiles::bad::tableAt(b)), b.end(), std::byte(0));
         const Given given(make(b));
         QVERIFY2(given.records == points && !given.recovered, given.said().c_str());
+    }
+}
+
+void LasZeroTailTest::layers_data()
+{
+    QTest::addColumn<int>("format");
+    QTest::addColumn<int>("chunk");
+    for (int format = 6; format <= 10; ++format)
+        for (const int chunk : {50000, 700})
+            QTest::addRow("format %d, chunks of %d", format, chunk) << format << chunk;
+}
+
+void LasZeroTailTest::layers()
+{
+    // Values without any order take as many bytes as zeros are taken for: only the end of a layer tells, which is
+    // one that a coder writes by chance in some of a hundred cases.
+    QFETCH(int, format);
+    QFETCH(int, chunk);
+    const auto f = std::uint8_t(format);
+    const auto length = std::uint16_t(lasfiles::recordLength(f) + 8);
+    const Bytes points = lasfiles::randomRecords(f, length, kPoints, 7, false);
+    const Bytes good = lasfiles::lazFile(f, length, points, std::uint32_t(chunk));
+    const std::size_t end = lasfiles::bad::tableAt(good);
+    QCOMPARE(check(make(good), points, length), std::uint64_t(kPoints));
+    for (const std::size_t zeros : {33, 100, 512, 4096}) {
+        Bytes b = good;
+        std::fill(b.begin() + std::ptrdiff_t(end - zeros), b.end(), std::byte(0));
+        QVERIFY(check(make(b), points, length) < kPoints);
+    }
+}
+
+void LasZeroTailTest::holeInStream()
+{
+    // A stream has nothing that tells where it ends: long runs of zeros do, or that it cannot be compressed so.
+    for (const bool lifelike : {true, false}) {
+        const auto length = lasfiles::recordLength(3);
+        const Bytes points = lasfiles::randomRecords(3, length, kPoints, 7, lifelike);
+        const Bytes chunked = lasfiles::lazFile(3, length, points, 50000);
+        const std::size_t begin = lasfiles::bad::pointOffset(chunked), end = lasfiles::bad::tableAt(chunked);
+        Bytes good = lasfiles::bad::withLaszip<std::uint16_t>(chunked, 0, 1);
+        good.resize(end);
+        good.erase(good.begin() + std::ptrdiff_t(begin), good.begin() + std::ptrdiff_t(begin) + 8);
+        for (const double where : {0.3, 0.6, 0.9})
+            for (const std::size_t zeros : {24, 512, 4096}) {
+                Bytes b = good;
+                const auto at = std::size_t(double(b.size()) * where);
+                std::fill_n(b.begin() + std::ptrdiff_t(at), std::min(zeros, b.size() - at), std::byte(0));
+                const std::uint64_t sound = check(make(b), points, length);
+                QVERIFY(sound<kPoints&& double(sound)> 0.5 * where * kPoints);
+            }
     }
 }
 

@@ -262,7 +262,7 @@ private slots:
         QTest::addColumn<QString>("missing");
         QTest::newRow("truncated LAS") << QStringLiteral("cut.las") << QStringLiteral("The header says");
         QTest::newRow("damaged LAZ chunk") << QStringLiteral("chunk.laz") << QStringLiteral("are damaged");
-        QTest::newRow("count") << QStringLiteral("count.las") << QStringLiteral("The header says 9000000");
+        QTest::newRow("count") << QStringLiteral("count.las") << QStringLiteral("The header says 9,000,000");
         QTest::newRow("extended record") << QStringLiteral("evlr.las") << QStringLiteral("extended records");
     }
     void damagedFilesSayWhatIsMissing()
