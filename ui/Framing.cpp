@@ -41,6 +41,10 @@ Framing::Framing(Workspace& workspace, const ViewFilter& filter, Viewport& viewp
     connect(&workspace, &Workspace::documentLoaded, this, &Framing::documentLoaded);
     connect(&workspace, &Workspace::documentRemoved, this, &Framing::documentRemoved);
     connect(&workspace, &Workspace::documentStateChanged, this, [this] { refresh(nullptr); });
+    connect(&workspace, &Workspace::activeChanged, this, [this](Document* document) {
+        const auto found = m_camerasBefore.find(document);  // it has just been added
+        if (found != m_camerasBefore.end() && found->second.second == m_viewport.userMoves()) refresh(document);
+    });
     m_refresh.setSingleShot(true);
     m_refresh.setInterval(kRefreshPause);
     connect(&m_refresh, &QTimer::timeout, this, [this] {
@@ -82,7 +86,7 @@ void Framing::updateSceneBounds()
 
 void Framing::fitFor(const Document& document)
 {
-    // Neighbors are shown together; of surveys far apart this one, because both would be specks.
+    // Neighbors are shown together; of surveys far apart the active one, because both would be specks.
     WorldBounds all = boundsOf(document);
     double largest = 0.0;
     for (const Document* other : m_workspace.documents()) {
@@ -91,6 +95,8 @@ void Framing::fitFor(const Document& document)
         if (!bounds.empty()) largest = std::max(largest, glm::length(bounds.max - bounds.min));
     }
     const bool together = all.empty() || glm::length(all.max - all.min) <= kNeighbors * largest;
+    const Document* const active = m_workspace.active();
+    if (!together && active && active != &document && showsAnything()) return;
     m_viewport.fitTo(together ? all : boundsOf(document), false);
     m_fitted = {};
     if (const auto found = m_extents.find(&document); found != m_extents.end()) m_fitted = found->second;

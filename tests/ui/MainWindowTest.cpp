@@ -288,6 +288,28 @@ private slots:
         QVERIFY(test.window->viewport().camera() == before);
     }
 
+    void ofFilesFarApartTheActiveOneIsShown()
+    {
+        TestWindow test;
+        QStringList paths;
+        for (int k = 0; k < 3; ++k) {
+            paths << test.folder.filePath(QStringLiteral("far%1.las").arg(k));
+            writeSurvey(paths.back(), 20'000, 1e6 * k);
+        }
+        test.window->openFiles(paths);
+        const auto& documents = test.window->workspace().documents();
+        QVERIFY(waitFor([&] {
+            return documents.size() == 3 &&
+                   std::all_of(documents.begin(), documents.end(), [](const Document* d) { return !d->loading(); });
+        }));
+        QVERIFY(test.settle());
+        const Document* const active = test.window->workspace().active();
+        QVERIFY(active);
+        const glm::dvec3& pivot = test.window->viewport().camera().pivot;
+        QVERIFY(glm::all(glm::lessThanEqual(active->bounds().min, pivot)) &&
+                glm::all(glm::lessThanEqual(pivot, active->bounds().max)));
+    }
+
     void readsOutThePointUnderTheCursor()
     {
         TestWindow test;
