@@ -9,6 +9,7 @@
 #include "core/task/Progress.h"
 
 #include <new>
+#include <regex>
 
 namespace punctum::app
 {
@@ -40,6 +41,9 @@ void describe(CLI::App& root, Action& action)
     addBench(root, action);
     root.require_subcommand(1);
     root.footer(
+        "Options of the window: --backend cpu, gl-compute or gl-points draws; --order stratified or prime; "
+        "--budget MS\n"
+        "for a frame in motion, or --budget-points N in each frame.\n"
         "Exit code: 0 done, 1 the work failed (one sentence says why), 2 wrong usage.\n"
         "punctum COMMAND --help tells the options of a command.");
 }
@@ -61,6 +65,32 @@ std::string withFullStop(std::string sentence)
     if (!sentence.empty() && std::string_view(".?!)").find(sentence.back()) == std::string_view::npos)
         sentence += '.';
     return sentence;
+}
+
+/// "0.100000" as "0.1".
+std::string shortNumber(std::string text)
+{
+    if (text.find('.') == std::string::npos) return text;
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+    return text;
+}
+
+/// What is wrong with the words, in words of ours where the parser has a shorthand of its own.
+std::string sentenceOf(const CLI::ParseError& error)
+{
+    static const std::regex range("(-\\S+): Value (.*) not in range ([-0-9.e+]+) to ([-0-9.e+]+)"),
+        choice("(-\\S+): (.*) not in \\{(.*)\\}"), twice("(-\\S+): At Most 1 required but received \\d+");
+    const std::string said = error.what();
+    std::smatch part;
+    if (std::regex_match(said, part, range))
+        return part.str(1) + " must be from " + shortNumber(part.str(3)) + " to " + shortNumber(part.str(4)) +
+               ", not \"" + part.str(2) + "\".";
+    if (std::regex_match(said, part, choice))
+        return part.str(1) + " must be one of " + std::regex_replace(part.str(3), std::regex(","), ", ") +
+               ", not \"" + part.str(2) + "\".";
+    if (std::regex_match(said, part, twice)) return part.str(1) + " is given more than once.";
+    return withFullStop(said);
 }
 
 int run(const Action& action, const std::string& command)
@@ -118,7 +148,7 @@ int runCommandLine(int argc, char** argv)
     } catch (const CLI::Success& success) {
         return root.exit(success) == 0 && std::fflush(stdout) == 0 ? kDone : kFailed;  // help, version
     } catch (const CLI::ParseError& error) {
-        complain(withFullStop(error.what()) + " See " + chosenCommand(root) + " --help.");
+        complain(sentenceOf(error) + " See " + chosenCommand(root) + " --help.");
         return kUsage;
     }
     return run(action, chosenCommand(root));

@@ -60,6 +60,19 @@ private slots:
         }
         const QByteArray help = runPunctum({"--help"}).out;
         for (const QString& command : kCommands) QVERIFY(help.contains(command.toUtf8()));
+        for (const char* option : {"--backend", "--order", "--budget", "--budget-points"})
+            QVERIFY(help.contains(option));
+    }
+
+    void saysWhatAValueMustBe()
+    {
+        const auto said = [](const QStringList& words) {
+            const Outcome run = runPunctum(QStringList{"render", "a.las", "-o", "a.png"} + words);
+            return run.exitCode == 2 && run.oneSentence() ? run.err : QString();
+        };
+        QVERIFY(said({"--point-size", "0"}).contains("--point-size must be from 0.1 to 64, not \"0\". See"));
+        QVERIFY(said({"--normals", "up"}).contains("--normals must be one of lit, colors, not \"up\". See"));
+        QVERIFY(said({"--bands", "5", "--bands", "6"}).contains("--bands is given more than once. See"));
     }
 
     void hasAManPageThatNamesEveryOption()

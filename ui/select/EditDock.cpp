@@ -171,6 +171,7 @@ QWidget* EditDock::makeNeighborPart()
     m_distance = new NumberSpin;
     m_distance->setRange(0.001, 1e6);
     m_distance->setDecimals(3);
+    m_distance->setMinimumHeight(kFieldHeight);
     m_distance->setValue(1.0);
     m_distance->setAccessibleName(tr("Distance between neighbors"));
     grid->addWidget(heading(tr("Neighbors of the selected points")), 0, 0, 1, 3);
