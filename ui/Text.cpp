@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/Text.h"
 
+#include "core/cloud/ClassNames.h"
 #include "core/cloud/ValueText.h"
 #include "render/color/ColorMap.h"
 #include "ui/Numbers.h"
@@ -10,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -153,9 +156,10 @@ std::filesystem::path findPath(const QString& path)
 
 QString classText(unsigned code)
 {
-    const QString name = code < 256 ? toQString(render::asprsClasses()[code].name) : QString();
-    return name.isEmpty() || name.startsWith(QLatin1String("Class ")) ? QStringLiteral("%1 User defined").arg(code)
-                                                                      : QStringLiteral("%1 %2").arg(code).arg(name);
+    constexpr unsigned kFirstOwn = 64;  // LAS 1.4 R15, table 17
+    const std::string_view name = classNameOf(code);
+    if (!name.empty()) return QStringLiteral("%1 %2").arg(code).arg(toQString(std::string(name)));
+    return (code < kFirstOwn ? QStringLiteral("%1 Reserved") : QStringLiteral("%1 User defined")).arg(code);
 }
 
 QString readOutText(const PickedPoint& point)

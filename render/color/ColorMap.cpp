@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "render/color/ColorMap.h"
 
+#include "core/cloud/ClassNames.h"
 #include "resources.h"
 
 #include <algorithm>
@@ -60,7 +61,7 @@ std::array<ClassStyle, 256> loadClasses()
         unsigned code = 0;
         const auto end = std::from_chars(line.data(), line.data() + line.size(), code).ptr;
         line.remove_prefix(std::size_t(end - line.data()) + 1);
-        if (code < classes.size()) classes[code] = {std::string(line.substr(7)), parseColor(line)};
+        if (code < classes.size()) classes[code] = {std::string(classNameOf(code)), parseColor(line)};
     });
     return classes;
 }

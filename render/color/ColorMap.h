@@ -39,7 +39,7 @@ struct ClassStyle {
     Rgba8 color;
 };
 
-/// Name and default color of the 256 class codes, from resources/palettes/asprs.txt.
+/// Name and default color (resources/palettes/asprs.txt) of the 256 class codes.
 const std::array<ClassStyle, 256>& asprsClasses();
 
 /// A color for an id: neighbors in value get unlike colors, the same id always the same. Shaders repeat this

@@ -67,8 +67,8 @@ void ResolveTest::classesHaveNamesAndColors()
 {
     const auto& classes = asprsClasses();
     QCOMPARE(classes[2].name, std::string("Ground"));
-    QCOMPARE(classes[7].name, std::string("Low point (noise)"));
-    QCOMPARE(classes[22].name, std::string("Temporal exclusion"));
+    QCOMPARE(classes[7].name, std::string("Low Noise"));
+    QCOMPARE(classes[22].name, std::string("Temporal Exclusion"));
     QCOMPARE(classes[64].name, std::string("Class 64"));
     QVERIFY(classes[6].color.r > classes[6].color.b);
 }

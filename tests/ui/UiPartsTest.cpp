@@ -300,6 +300,8 @@ private slots:
         QCOMPARE(numberText(637012.25, 1200.0), QStringLiteral("637,012.3"));
         QCOMPARE(classText(2), QStringLiteral("2 Ground"));
         QCOMPARE(classText(77), QStringLiteral("77 User defined"));
+        QCOMPARE(classText(40), QStringLiteral("40 Reserved"));
+        QCOMPARE(classText(7), QStringLiteral("7 Low Noise"));
         QCOMPARE(valueText(Value(std::uint64_t(18446744073709551615u))),
                  QStringLiteral("18,446,744,073,709,551,615"));
     }
