@@ -414,6 +414,9 @@ private:
             find(any ? "The record on the coordinate system cannot be understood."
                      : "The file does not say its coordinate system.",
                  "Nobody but its maker can know it.");
+        else if (m_s.units.kind == CoordinateUnits::Kind::Unknown)
+            find("The coordinate system that the file states is not understood; its units are unknown.",
+                 "Nobody but its maker can know it.");
     }
 
     // -- points

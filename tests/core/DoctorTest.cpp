@@ -369,6 +369,7 @@ void DoctorTest::faults_data()
     row("EVLRs lost", 6, put(235, std::uint64_t(0)), "extended records (EVLRs) begin at byte 0", true);
     row("EVLRs elsewhere", 6, put(235, std::uint64_t(400)), "extended records (EVLRs) begin at byte 400", true);
     row("more EVLRs than there are", 6, put(243, 3u), "announces 3 extended records (EVLRs), and 1 is found", true);
+    row("WKT that is cut off", 6, put(375 + 54 + 200, std::uint8_t(0)), "states is not understood", false);
     row("WKT without its bit", 6, put(6, std::uint16_t(1)), "asks for a coordinate system in WKT", true);
     row("WKT bit of keys", 1, put(6, std::uint16_t(17)), "and the file has GeoTIFF keys.", true);
     row("times of a week that are not", 1, put(6, std::uint16_t(0)),
