@@ -10,14 +10,15 @@
 namespace punctum
 {
 
-/// The file's name without its folder, in one line whatever it is: control characters become '?'.
+/// The file's name without its folder, printable() whatever it is.
 std::string shownName(const std::filesystem::path& file);
 
 /// The one error type of Punctum: a sentence a user can act on.
 ///
 /// Thrown by everything in core and render that can fail because of its input or its surroundings
 /// (files, memory, drivers). A broken promise of the code itself is an assertion, not an Error.
-/// `what()` is the whole sentence, with the file's name in front when there is one.
+/// `what()` is the whole sentence, with the file's name in front when there is one; names and texts from outside in
+/// it are made printable() (core/Text.h), so that it is one line.
 class Error : public std::runtime_error
 {
 public:

@@ -2,7 +2,6 @@
 #include "core/process/Replay.h"
 
 #include "core/Error.h"
-#include "core/OneLine.h"
 #include "core/Text.h"
 #include "core/edit/History.h"
 #include "core/process/MakeCommand.h"
@@ -80,7 +79,7 @@ Replayed replay(const JournalContents& journal, const PointCloud& cloud, History
         const std::string name = nameOf(entry, history);
         const auto reason = trouble(entry, cloud, history, progress);
         if (reason) {
-            replayed.stopped = "\"" + oneLine(name) + "\" cannot be done again: " + *reason;
+            replayed.stopped = "\"" + printable(name) + "\" cannot be done again: " + *reason;
             break;
         }
         ++replayed.entries;

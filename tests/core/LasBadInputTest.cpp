@@ -539,13 +539,13 @@ void LasBadInputTest::namesOfAllKinds()
         Progress progress;
         las::write(*cloud, path, {}, progress);
         QCOMPARE(openAll(path).cloud->rawX()[0], 77);
-        // an error names the file in one line
+        // an error names the file in one line that may go to a terminal
         lasfiles::writeFile(path, Bytes(3));
         try {
             las::Reader::open(path);
             QFAIL("it was opened");
         } catch (const Error& e) {
-            QVERIFY2(std::string(e.what()).find('\n') == std::string::npos, e.what());
+            QVERIFY2(e.what() == printable(e.what()), e.what());
         }
         fs::remove(path);
     }
