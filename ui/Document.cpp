@@ -23,10 +23,16 @@ Document::Document(std::shared_ptr<OpenCloud> data, QObject* parent)
       m_bounds(m_data->source->firstBounds),
       m_attributes(m_data->cloud->attributes())  // nobody else knows the cloud's list yet
 {
-    const auto& losses = m_data->source->losses;
-    for (const std::string& loss : losses) m_losses << toQString(loss);
-    for (const std::string& warning : m_data->source->warnings)
-        if (std::find(losses.begin(), losses.end(), warning) == losses.end()) m_warnings << toQString(warning);
+    for (const std::string& loss : m_data->source->losses) m_losses << toQString(loss);
+}
+
+QStringList warningsOf(const las::SourceFile& source)
+{
+    QStringList sentences;
+    for (const std::string& warning : source.warnings)
+        if (std::find(source.losses.begin(), source.losses.end(), warning) == source.losses.end())
+            sentences << toQString(warning);
+    return sentences;
 }
 
 QString Document::fileName() const

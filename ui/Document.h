@@ -42,6 +42,9 @@ struct OpenCloud {
     bool journalTold = false;  ///< that it is not kept; guarded by editGate
 };
 
+/// What is to be said of a file beside what is missing or damaged, one sentence each.
+QStringList warningsOf(const las::SourceFile& source);
+
 /// Minimum, maximum and mean of each component of an attribute.
 using AttributeFigures = std::array<AttributeStatistics, 3>;
 
@@ -77,8 +80,6 @@ public:
     bool modified() const;
     /// What is missing or damaged, one sentence each.
     const QStringList& losses() const noexcept { return m_losses; }
-    /// What else is to be said of the file, one sentence each.
-    const QStringList& warnings() const noexcept { return m_warnings; }
     /// Of the points read, without deleted ones; until all are there, a first idea from the header. Follows edits a
     /// little later, by a job.
     const WorldBounds& bounds() const noexcept { return m_bounds; }
@@ -154,7 +155,6 @@ private:
     PointIndex m_missingPoints = 0;
     QStringList m_losses;
     bool m_upgradeAllowed = false;
-    QStringList m_warnings;
     WorldBounds m_bounds;
     double m_spacing = 0.0;
     RawBounds m_rawBounds;

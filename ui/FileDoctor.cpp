@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/FileDoctor.h"
 
+#include "core/edit/History.h"
 #include "core/las/Repair.h"
 #include "core/task/Progress.h"
 #include "ui/Document.h"
@@ -19,10 +20,11 @@ namespace punctum::ui
 namespace
 {
 
-bool edited(OpenCloud& data)
+/// The number of edits, while the values are those of the file; else nothing.
+std::optional<std::uint64_t> editsInFile(OpenCloud& data)
 {
     const std::lock_guard gate(data.editGate);
-    return data.edits != 0;
+    return data.history->modified() ? std::nullopt : std::optional(data.edits);
 }
 
 /// What was done and what was not, in lines.
@@ -47,16 +49,16 @@ FileDoctor::FileDoctor(Workspace& workspace, QObject* parent) : QObject(parent),
 {
     connect(&workspace, &Workspace::documentLoaded, this, [this](Document* document) { examine(*document); });
     connect(&workspace, &Workspace::documentRemoved, this,
-            [this](const Document* document, bool) { m_examined.erase(document); });
-    connect(&workspace, &Workspace::saved, this, [this](const Document* document) {
-        if (m_examined.erase(document) != 0) emit examined(document);  // another file holds it now
+            [this](const Document* document, bool) { m_looks.erase(document); });
+    connect(&workspace, &Workspace::saved, this, [this](Document* document) {
+        if (m_workspace.find(document->cloud().get())) examine(*document);  // not closed while it was saved
     });
 }
 
 const las::Examination* FileDoctor::of(const Document& document) const
 {
-    const auto found = m_examined.find(&document);
-    return found == m_examined.end() ? nullptr : found->second.get();
+    const auto look = m_looks.find(&document);
+    return look == m_looks.end() ? nullptr : look->second.found.get();
 }
 
 void FileDoctor::examine(Document& document)
@@ -65,16 +67,24 @@ void FileDoctor::examine(Document& document)
     const JobId job = m_workspace.startJob(
         tr("Look through %1").arg(document.name()),
         [data = document.data(), result](Progress& progress) {
+            const auto edits = editsInFile(*data);
+            if (!edits) return;
             las::Examination found = las::examine(*data->cloud, progress);
-            if (!edited(*data)) *result = std::move(found);
+            if (editsInFile(*data) == edits) *result = std::move(found);
         },
-        [self = QPointer(this), target = QPointer(&document), result](const JobInfo&) {
-            if (!self || !target || !*result) return;
-            self->m_examined[target.data()] = std::make_shared<const las::Examination>(std::move(**result));
+        [self = QPointer(this), target = QPointer(&document), result](const JobInfo& info) {
+            if (!self || !target) return;
+            const auto look = self->m_looks.find(target.data());
+            if (look == self->m_looks.end() || look->second.job != info.id) return;  // a later save is looked at
+            look->second.job = 0;
+            if (*result) look->second.found = std::make_shared<const las::Examination>(std::move(**result));
             emit self->examined(target.data());
         },
         true);
     m_workspace.tie(document, job);
+    // What was found before is about a file that the document is no longer kept in, or as it was before the save.
+    m_looks[&document] = {job, nullptr};
+    emit examined(&document);
 }
 
 void FileDoctor::repair(const Document& document, const QString& path)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/las/Doctor.h"
+#include "core/task/Jobs.h"
 
 #include <QObject>
 #include <QString>
@@ -15,15 +16,17 @@ namespace punctum::ui
 class Document;
 class Workspace;
 
-/// Looks through each file once it is loaded: the figures of its points, and what is wrong with it, by a quiet job.
-/// Repairs to a new file by a job, too. GUI thread only; owned by the window, and outlived by the workspace.
+/// Looks through each file once it is loaded, and again when it is saved: the figures of its points, and what is
+/// wrong with it, by a quiet job. Repairs to a new file by a job, too. GUI thread only; owned by the window, and
+/// outlived by the workspace.
 class FileDoctor final : public QObject
 {
     Q_OBJECT
 public:
     explicit FileDoctor(Workspace& workspace, QObject* parent = nullptr);
 
-    /// Null while not known, and where an edit came first: then the points are no longer those of the file.
+    /// Of the file that holds the document now. Null while not known, and where an edit came first: then the points
+    /// are no longer those of the file.
     const las::Examination* of(const Document& document) const;
 
     /// Writes what las::repair() makes of the document's file, and says what was mended and what was left. The open
@@ -37,7 +40,11 @@ private:
     void examine(Document& document);
 
     Workspace& m_workspace;
-    std::map<const Document*, std::shared_ptr<const las::Examination>> m_examined;
+    struct Look {
+        JobId job = 0;  ///< that looks; 0: none
+        std::shared_ptr<const las::Examination> found;
+    };
+    std::map<const Document*, Look> m_looks;
 };
 
 }  // namespace punctum::ui

@@ -38,7 +38,7 @@ QString fileNameOf(const QString& path)
 /// What its file has to say: a sentence, and lines that it leads to. Empty: nothing.
 std::pair<QString, QString> newsOf(const Document& document)
 {
-    const QStringList &losses = document.losses(), &warnings = document.warnings();
+    const QStringList losses = document.losses(), warnings = warningsOf(document.source());
     if (document.recovered()) {
         const QString sentence = losses.size() == 1
                                      ? Workspace::tr("%1 is damaged: %2").arg(document.name(), losses.front())

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "core/las/Doctor.h"
 
+#include "core/Error.h"
 #include "core/Text.h"
 #include "core/cloud/ClassNames.h"
 #include "core/cloud/ValueText.h"
 #include "core/las/Crs.h"
 #include "core/las/GeoKeys.h"
 #include "core/las/HeaderWords.h"
+#include "core/las/Reader.h"
 #include "core/task/Progress.h"
 
 #include <algorithm>
@@ -504,6 +506,19 @@ private:
     std::set<std::string> m_told;
 };
 
+/// Header and records of the file that the cloud was saved to.
+std::shared_ptr<const SourceFile> savedSource(const PointCloud& cloud, const CurrentFile& place,
+                                              const std::vector<PointRange>& leftOut, Progress& progress)
+{
+    auto source = Reader::open(place.path)->source();
+    if (!(source->current->get().stamp == place.stamp))
+        throw Error(place.path, "The file changed since it was saved.");
+    PointsAsRead points;  // what is asked of them here
+    if (source->header.versionMinor() >= 5) points.gps = gpsRange(cloud, readable(cloud.size(), leftOut), progress);
+    source->asRead->set(std::move(points));
+    return source;
+}
+
 }  // namespace
 
 bool Diagnosis::repairable() const
@@ -518,17 +533,22 @@ Diagnosis diagnose(const SourceFile& source, const PointFigures& figures)
 
 Examination examine(const PointCloud& cloud, Progress& progress)
 {
-    // a save may put another one in its place meanwhile
-    const auto source = cloud.source();  // NOLINT(performance-unnecessary-copy-initialization)
-    const std::vector<PointRange> missing = source->asRead->get().missing;
-    std::optional<PointSet> unreadable;
-    if (!missing.empty()) {
-        unreadable.emplace(cloud.size());
-        for (const PointRange& range : missing) unreadable->insert(range);
+    const auto source = cloud.source();  // NOLINT(performance-unnecessary-copy-initialization): may be replaced
+    const CurrentFile place = source->current->get();
+    std::vector<PointRange> leftOut;
+    if (!place.saved)
+        leftOut = source->asRead->get().missing;
+    else if (place.kept)
+        leftOut = readable(cloud.size(), place.kept->ranges());  // all that is not kept
+    std::optional<PointSet> others;
+    if (!leftOut.empty()) {
+        others.emplace(cloud.size());
+        for (const PointRange& range : leftOut) others->insert(range);
     }
     Examination result;
-    result.figures = computePointFigures(cloud, unreadable ? &*unreadable : nullptr, progress);
-    result.diagnosis = diagnose(*source, result.figures);
+    result.source = place.saved ? savedSource(cloud, place, leftOut, progress) : source;
+    result.figures = computePointFigures(cloud, others ? &*others : nullptr, progress);
+    result.diagnosis = diagnose(*result.source, result.figures);
     return result;
 }
 

@@ -4,6 +4,7 @@
 #include "core/cloud/PointFigures.h"
 #include "core/las/SourceFile.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,9 +30,12 @@ struct Diagnosis {
 /// were read, those that could not be read left out. Any thread; looks at no file.
 Diagnosis diagnose(const SourceFile& source, const PointFigures& figures);
 
-/// The file as it was read: its points' figures, and what is wrong with it. The cloud's values must still be those
-/// of its file. Throws Cancelled.
+/// The file that holds the cloud at present (CurrentFile), that is the one it was read from or, later, the one it
+/// was last saved to: its header and records, its points' figures, and what is wrong with it. The cloud's values
+/// must be those of this file. Of a file that it was saved to the header and the records are read, no points.
+/// Throws Error (that file cannot be read, or changed meanwhile) or Cancelled.
 struct Examination {
+    std::shared_ptr<const SourceFile> source;
     PointFigures figures;
     Diagnosis diagnosis;
 };

@@ -3,7 +3,9 @@
 #include "UiTest.h"
 
 #include "core/las/Diff.h"
+#include "core/las/Doctor.h"
 #include "core/las/Reader.h"
+#include "core/process/Step.h"
 #include "core/task/Progress.h"
 #include "ui/MainMenu.h"
 #include "ui/MessageArea.h"
@@ -215,6 +217,57 @@ private slots:
         QVERIFY(waitFor([&] { return panel.text().contains(QStringLiteral("Density")); }));
         QVERIFY(button->isHidden());
         QVERIFY(!panel.text().contains(QStringLiteral("Doctor")));
+    }
+
+    void afterASaveTheFilePanelIsAboutTheFileNow()
+    {
+        TestWindow test;
+        const QString path = test.folder.filePath(QStringLiteral("a.las"));
+        writeSample(path, 5000);
+        QFile file(path);
+        QVERIFY(file.open(QIODevice::ReadWrite));
+        QVERIFY(file.seek(179) && file.write(QByteArray(48, '\xff')) == 48);  // the box
+        file.close();
+        PropertiesDock& panel = test.window->propertiesDock();
+        Document* const document = test.open(path);
+        QVERIFY(document);
+        const QString box = QStringLiteral("The header's box is not that of the points");
+        QVERIFY2(waitFor([&] { return panel.text().contains(box); }), qPrintable(panel.text()));
+        QVERIFY(!panel.text().contains(QStringLiteral("yes, LAZ")));
+
+        // some points go, and the rest is saved under another name, compressed
+        const Step* const step = findStep("delete");
+        QVERIFY(step);
+        test.window->workspace().run(*document, *step, {{"where", "Classification == 2"}});
+        QVERIFY(waitFor([&] { return document->deletedPoints() > 0 && !test.window->workspace().busy(); }));
+        QVERIFY(panel.text().contains(box));  // as long as it is the file
+        const QString saved = test.folder.filePath(QStringLiteral("b.laz"));
+        answerFileDialog(this, saved);
+        test.window->saveAs();
+        QMessageBox* question = nullptr;  // what was damaged will differ, too
+        QVERIFY(waitFor([&] { return (question = shown<QMessageBox>("savingQuestion")) != nullptr; }, 20'000));
+        QTest::mouseClick(question->button(QMessageBox::Save), Qt::LeftButton);
+        QVERIFY2(waitFor([&] { return document->path() == saved && !test.window->workspace().busy(); }, 20'000),
+                 qPrintable(lastSentence(test)));
+        Progress progress;
+        const auto cloud = las::load(toPath(saved), progress);
+        const las::Examination now = las::examine(*cloud, progress);
+        const QString text = panel.text();
+        QVERIFY2(!text.contains(box), qPrintable(text));
+        for (const las::Finding& f : now.diagnosis.findings)
+            QVERIFY2(text.contains(toQString(f.fault)), f.fault.c_str());
+        QCOMPARE(text.contains(QStringLiteral("Doctor")), !now.diagnosis.findings.empty());
+        QVERIFY2(text.contains(QStringLiteral("yes, LAZ")), qPrintable(text));
+        QVERIFY(text.contains(bytesText(std::uint64_t(QFileInfo(saved).size()))));
+        QVERIFY(!text.contains(QStringLiteral("2 Ground")));  // they are not in the file
+        QVERIFY2(text.contains(countText(now.figures.returns[1])), qPrintable(text));
+        // a save that comes next is looked at as well
+        test.window->menu().undo->trigger();
+        QVERIFY(waitFor([&] { return document->deletedPoints() == 0 && !test.window->workspace().busy(); }));
+        QVERIFY(!panel.text().contains(QStringLiteral("2 Ground")));
+        test.window->save();
+        QVERIFY(waitFor([&] { return !document->modified() && !test.window->workspace().busy(); }));
+        QVERIFY2(panel.text().contains(QStringLiteral("2 Ground")), qPrintable(panel.text()));
     }
 
     void savingWithoutChangesSaysSo()

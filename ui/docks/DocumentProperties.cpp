@@ -90,8 +90,9 @@ QString estimateText(double value)
 }
 
 /// Counts and density of the points of the file.
-void addFigures(std::vector<PropertySection>& sections, const Document& document, const PointFigures& f)
+void addFigures(std::vector<PropertySection>& sections, const Document& document, const las::Examination& found)
 {
+    const PointFigures& f = found.figures;
     const glm::dvec3 stretch = document.viewStretch(document.bounds());
     const double area = stretch.x * stretch.y;
     PropertySection figures{tr("Points"), {}};
@@ -105,7 +106,7 @@ void addFigures(std::vector<PropertySection>& sections, const Document& document
     if (f.gpsTime) {
         QString text = localNumber(toQString(shortestText(f.gpsTime->first))) + QLatin1Char('\n') +
                        localNumber(toQString(shortestText(f.gpsTime->second)));
-        const las::Header& header = document.source().header;
+        const las::Header& header = found.source->header;
         const QString first = toQString(las::gpsDay(header, f.gpsTime->first));
         const QString last = toQString(las::gpsDay(header, f.gpsTime->second));
         if (!first.isEmpty() && !last.isEmpty())
@@ -133,7 +134,8 @@ void addFigures(std::vector<PropertySection>& sections, const Document& document
 
 std::vector<PropertySection> documentProperties(const Document& document, const las::Examination* examination)
 {
-    const las::SourceFile& source = document.source();
+    // After a save another file holds the points.
+    const las::SourceFile& source = examination ? *examination->source : document.source();
     const CoordinateScale& coordinates = document.cloud()->coordinates();
     std::vector<PropertySection> sections;
 
@@ -144,11 +146,9 @@ std::vector<PropertySection> documentProperties(const Document& document, const 
             {{}, tr("Save is off, so that the file keeps what could not be read: use Save As.")});
         sections.push_back(missing);
     }
-    if (!document.warnings().isEmpty()) {
-        PropertySection warnings{tr("Warnings"), {}};
-        for (const QString& warning : document.warnings()) warnings.rows.push_back({{}, warning});
-        sections.push_back(warnings);
-    }
+    PropertySection warnings{tr("Warnings"), {}};
+    for (const QString& warning : warningsOf(source)) warnings.rows.push_back({{}, warning});
+    if (!warnings.rows.empty()) sections.push_back(warnings);
     if (examination && !examination->diagnosis.findings.empty())
         sections.push_back(doctorSection(examination->diagnosis.findings));
     if (!document.unsavedChanges().isEmpty())
@@ -189,7 +189,7 @@ std::vector<PropertySection> documentProperties(const Document& document, const 
     sections.push_back(place);
 
     sections.push_back(originSection(source.header));
-    if (examination) addFigures(sections, document, examination->figures);
+    if (examination) addFigures(sections, document, *examination);
 
     PropertySection records{tr("Records"), {}};
     const auto list = [&](const std::vector<las::Vlr>& vlrs) {
