@@ -35,18 +35,6 @@ const char* const kWkt =
     "PARAMETER[\"scale_factor\",0.9996],PARAMETER[\"false_easting\",500000],PARAMETER[\"false_northing\",0],"
     "UNIT[\"metre\",1]]";
 
-Bytes bytesOf(const std::string& text)
-{
-    Bytes bytes(text.size() + 1);
-    std::memcpy(bytes.data(), text.data(), text.size());
-    return bytes;
-}
-
-Bytes wktRecord(bool extended = false)
-{
-    return lasfiles::record("LASF_Projection", 2112, bytesOf(kWkt), extended);
-}
-
 /// GeoTIFF keys that name EPSG:32632.
 Bytes keysRecord()
 {
@@ -101,11 +89,11 @@ Bytes sound(std::uint8_t format, const Bytes& after = {})
 {
     Bytes head = lasfiles::header(lasfiles::minorFor(format), format, lasfiles::recordLength(format), kPoints);
     makeSound(head, format);
-    Bytes all = lasfiles::file(head, {format < 6 ? keysRecord() : wktRecord()}, soundRecords(format));
+    Bytes all = lasfiles::file(head, {format < 6 ? keysRecord() : lasfiles::wktRecord(kWkt)}, soundRecords(format));
     if (format >= 6) {
         lasfiles::set(all, 235, std::uint64_t(all.size()));
         lasfiles::set(all, 243, std::uint32_t(1));
-        lasfiles::append(all, lasfiles::record("somebody", 7, bytesOf("hello"), true));
+        lasfiles::append(all, lasfiles::record("somebody", 7, lasfiles::textBytes("hello"), true));
     }
     lasfiles::append(all, after);
     return all;

@@ -88,6 +88,20 @@ inline Bytes record(const std::string& user, std::uint16_t id, const Bytes& data
     return b;
 }
 
+/// A text with its end, as records of text have it.
+inline Bytes textBytes(const std::string& text)
+{
+    Bytes bytes(text.size() + 1);
+    std::memcpy(bytes.data(), text.data(), text.size());
+    return bytes;
+}
+
+/// The record of a coordinate system in WKT.
+inline Bytes wktRecord(const std::string& wkt, bool extended = false)
+{
+    return record("LASF_Projection", 2112, textBytes(wkt), extended);
+}
+
 /// A header of LAS 1.minor, zero but for what must be there.
 inline Bytes header(std::uint8_t minor, std::uint8_t format, std::uint16_t length, std::uint64_t points)
 {

@@ -33,13 +33,6 @@ const std::string kUtm =
     R"(PARAMETER["false_northing",0],UNIT["metre",1,AUTHORITY["EPSG","9001"]],AXIS["Easting",EAST],)"
     R"(AXIS["Northing",NORTH],AUTHORITY["EPSG","26910"]])";
 
-Bytes wktRecord(const std::string& wkt = kUtm)
-{
-    Bytes data(wkt.size() + 1);
-    std::memcpy(data.data(), wkt.data(), wkt.size());
-    return lasfiles::record("LASF_Projection", 2112, data);
-}
-
 /// Records of formats 6-10 that every version and format holds: few returns, low classes, whole degrees, no times.
 Bytes plainRecords(std::uint8_t format, std::size_t count = kCount)
 {
@@ -61,7 +54,7 @@ struct Made {
     std::uint8_t minor = 4, format = 6;
     std::uint16_t encoding = 17;
     Bytes records = plainRecords(6);
-    std::vector<Bytes> vlrs{wktRecord()};
+    std::vector<Bytes> vlrs{lasfiles::wktRecord(kUtm)};
     std::uint16_t timeOffset = 0;
     Bytes userBytes, evlrs;
     std::uint32_t evlrCount = 0;
@@ -451,7 +444,7 @@ void LasVersionsTest::wktBecomesKeys()
     Made local;  // a code that is not the system's: the scale is another one
     std::string wkt = kUtm;
     wkt.replace(wkt.find("0.9996"), 6, "0.9990");
-    local.vlrs = {wktRecord(wkt)};
+    local.vlrs = {lasfiles::wktRecord(wkt)};
     const auto kept = write(*make(local), temp("none.las"), std::uint8_t(2));
     QVERIFY(noted(kept, "its record is kept"));
     QVERIFY(load(temp("none.las"))->source()->findVlr("LASF_Projection", 34735) == nullptr);

@@ -18,6 +18,33 @@
 using namespace punctum;
 using namespace punctum::render;
 
+namespace
+{
+
+/// A made cloud as one layer of a scene, with the words of an attribute.
+struct OneLayer {
+    PointStore store;
+    FrameScene scene;
+    ResolveSettings settings;
+
+    OneLayer(std::uint32_t points, const char* attribute, WordKind kind)
+        : OneLayer(test::makeCloud(points), attribute)
+    {
+        settings.layers = {{kind, 0, 1}};
+    }
+
+private:
+    OneLayer(const std::shared_ptr<PointCloud>& cloud, const char* attribute) : store(cloud, cloud->computeBounds())
+    {
+        store.fillAll();
+        store.show(*cloud->findAttribute(attribute));
+        while (store.stale()) store.refreshNext(cloud->size());
+        scene.layers.push_back({&store, 0, {}});
+    }
+};
+
+}  // namespace
+
 class ResolveTest : public QObject
 {
     Q_OBJECT
@@ -102,15 +129,9 @@ void ResolveTest::scalarsClampToTheRange()
 
 void ResolveTest::samplesAverageByAlpha()
 {
-    const auto cloud = test::makeCloud(1);
-    PointStore store(cloud, cloud->computeBounds());
-    store.fillAll();
-    store.show(*cloud->findAttribute("Classification"));
-    while (store.stale()) store.refreshNext(1);
-    FrameScene scene;
-    scene.layers.push_back({&store, 0, {}});
-    ResolveSettings settings;
-    settings.layers = {{WordKind::Class, 0, 1}};
+    OneLayer layer(1, "Classification", WordKind::Class);
+    const FrameScene& scene = layer.scene;
+    ResolveSettings& settings = layer.settings;
     settings.palette.fill({200, 100, 0, 255});
     settings.backgroundTop = settings.backgroundBottom = {0, 0, 100, 255};
     const std::vector<std::uint64_t> cells{~0ull, 0, ~0ull, ~0ull};  // one sample of four sees the point
@@ -285,15 +306,9 @@ void ResolveTest::lightIsAsDefined()
     QFETCH(int, samples);
     QFETCH(bool, perspective);
     constexpr int kWidth = 67, kHeight = 41;
-    const auto cloud = test::makeCloud(5000);
-    PointStore store(cloud, cloud->computeBounds());
-    store.fillAll();
-    store.show(*cloud->findAttribute("RGB"));
-    while (store.stale()) store.refreshNext(5000);
-    FrameScene scene;
-    scene.layers.push_back({&store, 0, {}});
-    ResolveSettings settings;
-    settings.layers = {{WordKind::Color, 0, 1}};
+    OneLayer layer(5000, "RGB", WordKind::Color);
+    const FrameScene& scene = layer.scene;
+    ResolveSettings& settings = layer.settings;
     settings.backgroundTop = {10, 20, 30, 0};
     settings.backgroundBottom = {200, 0, 0, 255};
     settings.eyeDome = {1.3f, perspective, 2};
@@ -344,7 +359,7 @@ void ResolveTest::lightIsAsDefined()
                             const float other = levelAt(nx, ny, s);
                             if (other < level) behind += std::min(level - other, extent);
                         }
-                    color = dimmed(colorOf(store.words()[id], settings.layers[0], settings),
+                    color = dimmed(colorOf(layer.store.words()[id], settings.layers[0], settings),
                                    0.15f + 0.85f * exp2Of(-behind * scale));
                 }
                 for (int c = 0; c < 3; ++c)
@@ -369,15 +384,9 @@ void ResolveTest::lightIsAsDefined()
 void ResolveTest::rimsAreNotBright()
 {
     constexpr int kSide = 40;
-    const auto cloud = test::makeCloud(10);
-    PointStore store(cloud, cloud->computeBounds());
-    store.fillAll();
-    store.show(*cloud->findAttribute("Classification"));
-    while (store.stale()) store.refreshNext(10);
-    FrameScene scene;
-    scene.layers.push_back({&store, 0, {}});
-    ResolveSettings settings;
-    settings.layers = {{WordKind::Class, 0, 1}};
+    OneLayer layer(10, "Classification", WordKind::Class);
+    const FrameScene& scene = layer.scene;
+    ResolveSettings& settings = layer.settings;
     settings.palette.fill({200, 200, 200, 255});
     settings.eyeDome = {1.0f, false, 1};
     for (const int samples : {4, 8, 16}) {

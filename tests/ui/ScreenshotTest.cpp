@@ -31,9 +31,7 @@ struct ScreenshotBench : TestWindow {
 
     bool begin()
     {
-        const QString path = folder.filePath(QStringLiteral("survey.laz"));
-        writeSample(path, 60'000);
-        document = open(path);
+        document = openSample(60'000);
         if (!document) return false;
         window->showAttribute(QStringLiteral("Z"));
         return settle(QStringLiteral("Z")) && waitFor([&] { return document->classCounts().has_value(); });

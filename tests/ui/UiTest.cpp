@@ -91,6 +91,13 @@ Document* TestWindow::open(const QString& path)
     return window->workspace().active();
 }
 
+Document* TestWindow::openSample(std::uint64_t points)
+{
+    const QString path = folder.filePath(QStringLiteral("sample.las"));
+    writeSample(path, points);
+    return open(path);
+}
+
 void TestWindow::dropFiles(const QStringList& paths)
 {
     QMimeData mime;

@@ -33,6 +33,8 @@ struct TestWindow {
     explicit TestWindow(ViewKind view = ViewKind::Automatic, const QString& settings = {});
     /// Opens and waits until all is loaded and drawn; null on failure.
     Document* open(const QString& path);
+    /// The same with a made survey of so many points.
+    Document* openSample(std::uint64_t points);
     /// Waits until the picture is finished, shows `attribute` (when not empty), no job runs, and the camera rests.
     bool settle(const QString& attribute = {}, int timeoutMs = 200000);
     std::shared_ptr<const Frame> frame() const { return window->renderer().frame(); }
