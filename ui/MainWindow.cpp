@@ -95,7 +95,8 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     m_selection = new Selection(*m_workspace, *m_renderer, *m_view, *m_filter, this);
     m_undoOrder = new UndoOrder(*m_workspace, *m_selection, this);
     m_shown = new ShownCount(*m_workspace, *m_view, *m_filter, this);
-    m_shownPill = new ShownPill(*m_viewport, *m_shown, *new ViewScope(*m_workspace, *m_view, *m_filter, this));
+    m_viewScope = new ViewScope(*m_workspace, *m_view, *m_filter, this);
+    m_shownPill = new ShownPill(*m_viewport, *m_viewScope);
     m_selectTools = new SelectTools(*m_viewport, *m_selection, this);
     m_measurements = new Measurements(*m_workspace, this);
     m_measureTools = new MeasureTools(*m_viewport, *m_workspace, *m_measurements, this);
@@ -213,7 +214,10 @@ void MainWindow::connectParts()
         connect(view, &Viewport::hovered, this, &MainWindow::showReadOut);
     }
     connect(m_viewport, &Viewport::frameShown, this, &MainWindow::showViewState);
-    connect(m_shown, &ShownCount::changed, this, &MainWindow::showViewState);
+    connect(m_shown, &ShownCount::changed, this, [this] {
+        m_shownPill->take(m_shown->state());
+        showViewState();
+    });
     connect(m_attributes, &AttributesDock::attributeChosen, this, &MainWindow::showAttribute);
     connect(m_processing, &ProcessingDock::showAttribute, this, &MainWindow::showAttribute);
     connect(m_edit, &EditDock::begun, this, &MainWindow::focusView);

@@ -42,6 +42,7 @@ class Sections;
 class Selection;
 class ViewRenderer;
 class ViewFilter;
+class ViewScope;
 class ViewSettings;
 class Viewport;
 class ShownCount;
@@ -106,6 +107,7 @@ public:
     UndoOrder& undoOrder() noexcept { return *m_undoOrder; }
     ShownCount& shownCount() noexcept { return *m_shown; }
     ShownPill& shownPill() noexcept { return *m_shownPill; }
+    ViewScope& viewScope() noexcept { return *m_viewScope; }
     Sections& sections() noexcept { return *m_sections; }
     EditDock& editDock() noexcept { return *m_edit; }
     HistoryDock& historyDock() noexcept { return *m_history; }
@@ -170,6 +172,7 @@ private:
     SelectBar* m_selectBar = nullptr;
     UndoOrder* m_undoOrder = nullptr;
     ShownCount* m_shown = nullptr;
+    ViewScope* m_viewScope = nullptr;
     ShownPill* m_shownPill = nullptr;
     Sections* m_sections = nullptr;
     EditDock* m_edit = nullptr;

@@ -65,26 +65,23 @@ void ShownCount::lookAtSettings()
 
 void ShownCount::ask()
 {
-    State state;
-    PointIndex deleted = 0;
+    ShownState state;
     for (const Document* document : m_workspace.documents()) {
         if (document->loading()) continue;
         state.all += document->points();
-        deleted += document->deletedPoints();
+        state.deleted += document->deletedPoints();
     }
-    state.shown = state.all - deleted;
+    state.shown = state.all - state.deleted;
     if (!m_filter.text().isEmpty()) state.reasons << tr("filter");
     if (m_clip.box) state.reasons << tr("box");
     if (const std::size_t cuts = m_clip.planes.size(); cuts != 0)
         state.reasons << (cuts == 1 ? tr("1 cut") : tr("%1 cuts").arg(cuts));
     if (const int classes = hiddenClasses(m_workspace, m_classes); classes != 0)
         state.reasons << (classes == 1 ? tr("1 class") : tr("%1 classes").arg(classes));
-    state.choices = !state.reasons.isEmpty();
-    if (deleted != 0) state.reasons << tr("%1 deleted").arg(countText(deleted));
-    state.known = !state.choices;
-    m_again = state.choices;
+    state.known = state.reasons.isEmpty();
+    m_again = !state.known;
     if (m_job != 0) m_workspace.cancel(m_job);
-    if (state.choices)
+    if (m_again)
         m_pause.start();
     else
         m_pause.stop();
@@ -111,7 +108,7 @@ void ShownCount::count()
             m_job = 0;
             if (m_again) return m_pause.start();
             if (info.state != JobState::Finished || m_state.known) return;
-            State state = m_state;
+            ShownState state = m_state;
             state.shown = *shown;
             state.known = true;
             publish(std::move(state));
@@ -119,18 +116,20 @@ void ShownCount::count()
         true);
 }
 
-void ShownCount::publish(State state)
+void ShownCount::publish(ShownState state)
 {
     m_state = std::move(state);
     emit changed();
 }
 
-QString ShownCount::text() const
+QString ShownState::text() const
 {
-    if (!m_state.some()) return {};
-    const QString reasons = m_state.reasons.join(QStringLiteral(", "));
-    return m_state.known ? tr("%1 of %2 shown: %3").arg(countText(m_state.shown), countText(m_state.all), reasons)
-                         : tr("Part of %1 shown: %2").arg(countText(m_state.all), reasons);
+    if (!some()) return {};
+    QStringList whys = reasons;
+    if (deleted != 0) whys << ShownCount::tr("%1 deleted").arg(countText(deleted));
+    const QString why = whys.join(QStringLiteral(", "));
+    return known ? ShownCount::tr("%1 of %2 shown: %3").arg(countText(shown), countText(all), why)
+                 : ShownCount::tr("Part of %1 shown: %2").arg(countText(all), why);
 }
 
 QString ShownCount::progressText(const render::FrameReport& report) const

@@ -12,12 +12,8 @@
 namespace punctum::ui
 {
 
-ShownPill::ShownPill(Viewport& viewport, const ShownCount& count, ViewScope& scope)
-    : QFrame(&viewport),
-      m_viewport(viewport),
-      m_count(count),
-      m_text(new QLabel),
-      m_showAll(new QPushButton(tr("Show all")))
+ShownPill::ShownPill(Viewport& viewport, ViewScope& scope)
+    : QFrame(&viewport), m_viewport(viewport), m_text(new QLabel), m_showAll(new QPushButton(tr("Show all")))
 {
     setObjectName(QStringLiteral("shown"));
     // It lies on the picture, as the title does: dark in every appearance.
@@ -37,9 +33,8 @@ ShownPill::ShownPill(Viewport& viewport, const ShownCount& count, ViewScope& sco
     row->addWidget(m_text);
     row->addWidget(m_showAll);
     connect(m_showAll, &QPushButton::clicked, &scope, &ViewScope::showAll);
-    connect(&count, &ShownCount::changed, this, &ShownPill::take);
     viewport.setUnderTitle(this);
-    take();
+    take({});
 }
 
 QString ShownPill::text() const
@@ -47,14 +42,14 @@ QString ShownPill::text() const
     return isHidden() ? QString() : m_text->text();
 }
 
-void ShownPill::take()
+void ShownPill::take(const ShownState& state)
 {
-    const QString text = m_count.text();
+    const QString text = state.text();
     m_text->setText(text);
-    m_text->setToolTip(m_count.state().choices
-                           ? QString()
-                           : tr("Select > Restore All Deleted brings them back; saving leaves them out."));
-    m_showAll->setVisible(m_count.state().choices);
+    m_text->setToolTip(state.reasons.isEmpty()
+                           ? tr("Select > Restore All Deleted brings them back; saving leaves them out.")
+                           : QString());
+    m_showAll->setVisible(!state.reasons.isEmpty());
     setVisible(!text.isEmpty());
     adjustSize();
     m_viewport.updateTitle();

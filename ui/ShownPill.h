@@ -9,26 +9,24 @@ class QPushButton;
 namespace punctum::ui
 {
 
-class ShownCount;
+struct ShownState;
 class ViewScope;
 class Viewport;
 
-/// Says in the view that points are hidden or deleted, how many are shown and what hides the others, and has a
-/// button that shows all. Not there while all points are shown. GUI thread only; a child of the view.
+/// Says in a view that points are hidden or deleted, how many are shown and what hides the others, and has a button
+/// that shows all. Not there while all points are shown. GUI thread only; a child of the view.
 class ShownPill final : public QFrame
 {
     Q_OBJECT
 public:
-    ShownPill(Viewport& viewport, const ShownCount& count, ViewScope& scope);
+    ShownPill(Viewport& viewport, ViewScope& scope);
 
+    void take(const ShownState& state);
     QString text() const;
     QPushButton& showAllButton() noexcept { return *m_showAll; }
 
 private:
-    void take();
-
     Viewport& m_viewport;
-    const ShownCount& m_count;
     QLabel* m_text;
     QPushButton* m_showAll;
 };

@@ -128,6 +128,45 @@ void ViewNavigator::applyZoom()
     emit cameraMoved(camera);
 }
 
+void ViewNavigator::stepZoom(int direction)
+{
+    m_stepsAsked.push_back(direction);
+    if (m_stepsAsked.size() == 1) takeSteps();
+}
+
+void ViewNavigator::takeSteps()
+{
+    render::Camera camera = m_view.camera();
+    if (!(m_steps.last == camera)) m_steps = {};
+    while (!m_stepsAsked.empty()) {
+        const int direction = m_stepsAsked.front();
+        if (m_steps.direction == -direction && !m_steps.passed.empty()) {
+            camera = m_steps.passed.back();
+            m_steps.passed.pop_back();
+        } else if (m_steps.target) {
+            const render::Camera before = camera;
+            // What the camera has gone through is behind it: the next step goes to what is in the middle then.
+            if (!Navigation::zoom(direction, m_steps.target->place, camera, m_reach, m_steps.target->point))
+                m_steps.target.reset();
+            m_steps.direction = direction;
+            if (!(camera == before)) m_steps.passed.push_back(before);
+        } else {
+            break;
+        }
+        m_stepsAsked.erase(m_stepsAsked.begin());
+    }
+    m_steps.last = camera;
+    m_target.reset();  // of the wheel
+    if (!(camera == m_view.camera())) emit cameraMoved(camera);
+    if (m_stepsAsked.empty()) return;
+    find(m_view.rect().center(), [this](const Target& target) {
+        if (!(m_steps.last == m_view.camera())) m_steps = {};
+        m_steps.last = m_view.camera();
+        m_steps.target = target;
+        takeSteps();
+    });
+}
+
 bool ViewNavigator::key(const QKeyEvent& event)
 {
     const auto modifiers = event.modifiers() & ~Qt::KeypadModifier;
@@ -150,15 +189,13 @@ bool ViewNavigator::key(const QKeyEvent& event)
         case Qt::Key_PageUp:
         case Qt::Key_PageDown:
             if (!plain) return false;
-            m_target.reset();
-            zoom(m_view.rect().center(), event.key() == Qt::Key_PageUp ? 1.0 : -1.0);
+            stepZoom(event.key() == Qt::Key_PageUp ? 1 : -1);
             return true;
         case Qt::Key_Plus:
         case Qt::Key_Equal:
         case Qt::Key_Minus:
             if (!control) return false;
-            m_target.reset();
-            zoom(m_view.rect().center(), event.key() == Qt::Key_Minus ? -1.0 : 1.0);
+            stepZoom(event.key() == Qt::Key_Minus ? -1 : 1);
             return true;
         default:
             return false;

@@ -9,6 +9,7 @@
 
 #include <functional>
 #include <optional>
+#include <vector>
 
 class QKeyEvent;
 class QMouseEvent;
@@ -65,6 +66,9 @@ private:
     void find(QPointF position, std::function<void(const Target&)> then);
     void zoom(QPointF position, double notches);
     void applyZoom();
+    /// One step of the keys, in (1) or out (-1), to what is in the middle of the view.
+    void stepZoom(int direction);
+    void takeSteps();
     void drag();
 
     Viewport& m_view;
@@ -78,6 +82,17 @@ private:
     double m_notches = 0.0;  ///< turned and not yet applied: waits for what is under the cursor
     bool m_targetAsked = false;
     std::optional<Target> m_target;  ///< holds while the cursor rests
+
+    /// Zooming by keys. A step the other way leads back to exactly the camera of before, whatever was seen on the
+    /// way; so all of them are kept for as long as nothing else moves the camera.
+    struct Steps {
+        std::optional<Target> target;        ///< of all of them
+        render::Camera last;                 ///< where they have led to
+        std::vector<render::Camera> passed;  ///< before each step that can be taken back
+        int direction = 0;                   ///< of those
+    };
+    Steps m_steps;
+    std::vector<int> m_stepsAsked;  ///< wait for what is in the middle
 };
 
 }  // namespace punctum::ui

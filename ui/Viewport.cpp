@@ -166,6 +166,7 @@ void Viewport::holdCamera()
 
 void Viewport::userCamera(const render::Camera& camera)
 {
+    if (m_bounds.empty()) return;  // there is nothing to look at from elsewhere
     ++m_userMoves;
     m_fitted = false;
     m_flight->stop();
@@ -416,7 +417,9 @@ void Viewport::placeOverlays()
     m_title->move(kEdge, kEdge);
     int bottom = m_title->geometry().bottom();
     if (m_underTitle && !m_underTitle->isHidden()) {
-        m_underTitle->move(kEdge, m_title->isHidden() ? kEdge : bottom + kEdge / 2);
+        // A section has the heights at its left.
+        m_underTitle->move(m_flat ? width() - m_underTitle->width() - kEdge : kEdge,
+                           m_title->isHidden() ? kEdge : bottom + kEdge / 2);
         bottom = m_underTitle->geometry().bottom();
     }
     m_compass->resize(m_compass->sizeHint());

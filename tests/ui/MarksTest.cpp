@@ -2,6 +2,8 @@
 // Legend, scale bar and north arrow as they are drawn on a picture, in the view and in saved ones.
 #include "UiTest.h"
 
+#include "ui/Viewport.h"
+#include "ui/docks/PropertiesDock.h"
 #include "ui/marks/Legend.h"
 #include "ui/marks/ScaleBar.h"
 
@@ -142,6 +144,29 @@ private slots:
         const double px = length / camera.unitsPerPixel(600);
         QVERIFY2(std::abs(px - bar.length) <= 1.0, qPrintable(QStringLiteral("%1 %2").arg(px).arg(bar.length)));
         QVERIFY(bar.length > 60 && bar.length <= 150);
+    }
+
+    /// Of a view of nothing nobody knows how large it is.
+    void nothingHasNoScale()
+    {
+        ScaleBar bar = scaleBarOf(render::Camera(), 600, 1.0, QStringLiteral("m"));
+        QVERIFY(!bar.bar);
+        QVERIFY2(bar.text.isEmpty(), qPrintable(bar.text));
+        QVERIFY(scaleBarSize(bar, {}).width() > 0);  // north is where it is
+        bar.arrow = false;
+        QCOMPARE(scaleBarSize(bar, {}).width(), 0.0);
+        // as it is in the window
+        TestWindow test;
+        QVERIFY(test.openSample(0));
+        Viewport& view = test.window->viewport();
+        view.setFocus();
+        for (const Qt::Key key : {Qt::Key_PageDown, Qt::Key_Left, Qt::Key_PageDown}) {
+            QTest::keyClick(&view, key);
+            QTest::qWait(20);
+        }
+        QVERIFY(!scaleBarOf(view.camera(), view.height(), 1.0, QStringLiteral("m")).bar);
+        QVERIFY2(!test.window->propertiesDock().text().contains(QStringLiteral("Lowest")),
+                 qPrintable(test.window->propertiesDock().text()));
     }
 
     void lengthsHaveTheirUnits()

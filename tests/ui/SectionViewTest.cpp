@@ -4,6 +4,9 @@
 
 #include "render/store/PointStore.h"
 #include "ui/ClipFrame.h"
+#include "ui/ShownPill.h"
+#include "ui/Text.h"
+#include "ui/ViewFilter.h"
 #include "ui/ViewSettings.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
@@ -17,6 +20,7 @@
 #include <QEventLoop>
 #include <QImage>
 #include <QLabel>
+#include <QPushButton>
 #include <QSettings>
 #include <QToolButton>
 
@@ -604,6 +608,38 @@ private slots:
         b.sections().setWidth(3.5);
         QVERIFY(b.settled());
         QVERIFY(!QSettings(settings, QSettings::IniFormat).contains(QStringLiteral("section/width_")));
+    }
+
+    /// Where the view hides points of the section, the section says so.
+    void hiddenPointsOfTheSectionAreTold()
+    {
+        SectionBench b;
+        QVERIFY(b.beginSection());
+        ShownPill& pill = b.sections().shownPill();
+        QCOMPARE(pill.text(), QString());
+        const Attribute intensity = *b.document->findAttribute(QStringLiteral("Intensity"));
+        b.window->viewFilter().setText(QStringLiteral("Intensity > 100"));
+        PointIndex all = 0, shown = 0;
+        for (PointIndex i = 0; i < b.document->points(); ++i) {
+            if (!b.has(i)) continue;
+            ++all;
+            shown += intensity.number(i) > 100 ? 1 : 0;
+        }
+        QVERIFY(shown > 0 && shown < all);
+        const auto says = [&](const QString& text) {
+            return waitFor([&] { return pill.text() == text && !b.sections().counting(); }, 20'000);
+        };
+        QVERIFY2(says(QStringLiteral("%1 of %2 shown: filter").arg(countText(shown), countText(all))),
+                 qPrintable(pill.text()));
+        QVERIFY(pill.isVisible() && b.view().rect().contains(pill.geometry()));
+        // as one walks, the figures are those of what is seen
+        b.sections().walk(1.0);
+        QVERIFY(waitFor([&] { return !b.sections().counting(); }));
+        all = 0;
+        for (PointIndex i = 0; i < b.document->points(); ++i) all += b.has(i) ? 1 : 0;
+        QVERIFY2(pill.text().contains(QStringLiteral(" of %1 shown").arg(countText(all))), qPrintable(pill.text()));
+        QTest::mouseClick(&pill.showAllButton(), Qt::LeftButton);
+        QVERIFY(says({}) && b.window->viewFilter().text().isEmpty());
     }
 };
 

@@ -307,11 +307,11 @@ private slots:
     }
     void roundLengths()
     {
-        QCOMPARE(roundLength(137.0), 100.0);
-        QCOMPARE(roundLength(0.6), 0.5);
-        QCOMPARE(roundLength(20.0), 20.0);
-        QCOMPARE(roundLength(0.0), 0.0);
-        QCOMPARE(roundLength(-1.0), 0.0);
+        QCOMPARE(roundLengthUpTo(137.0), 100.0);
+        QCOMPARE(roundLengthUpTo(0.6), 0.5);
+        QCOMPARE(roundLengthUpTo(20.0), 20.0);
+        QCOMPARE(roundLengthUpTo(0.0), 0.0);
+        QCOMPARE(roundLengthUpTo(-1.0), 0.0);
     }
     /// Views have the time of one frame together, whoever needs more or less of it.
     void viewsShareAFrame()

@@ -87,10 +87,8 @@ private slots:
     void fitGoesByWhatIsShown()
     {
         TestWindow test;
-        const QString path = test.folder.filePath(QStringLiteral("sample.las"));
-        writeSample(path, 30'000);
-        const Document* const document = test.open(path);
-        QVERIFY(document && test.settle());
+        const Document* const document = test.openSample(30'000);
+        QVERIFY(document);
         const WorldBounds all = document->bounds();
         const double middle = (all.min.x + all.max.x) / 2;
         test.window->viewFilter().setText(
@@ -114,9 +112,7 @@ private slots:
     void keysTurnMoveAndZoom()
     {
         TestWindow test;
-        const QString path = test.folder.filePath(QStringLiteral("sample.las"));
-        writeSample(path, 30'000);
-        QVERIFY(test.open(path) && test.settle());
+        QVERIFY(test.openSample(30'000));
         Viewport& view = test.window->viewport();
         view.setFocus();
         const auto press = [&](Qt::Key key, Qt::KeyboardModifiers modifiers = {}) {
@@ -146,20 +142,62 @@ private slots:
         const auto nearer = press(Qt::Key_PageUp);
         QVERIFY2(std::abs(zoomed(nearer) - 0.8) < 1e-3, qPrintable(QString::number(zoomed(nearer))));
         const auto farther = press(Qt::Key_Minus, Qt::ControlModifier);
-        QVERIFY2(std::abs(zoomed(farther) - 1.25) < 1e-3, qPrintable(QString::number(zoomed(farther))));
+        QVERIFY(farther.second == nearer.first);
+        const auto beyond = press(Qt::Key_PageDown);
+        QVERIFY2(std::abs(zoomed(beyond) - 1.25) < 1e-3, qPrintable(QString::number(zoomed(beyond))));
         const double size = test.window->viewSettings().size();
         QTest::keyClick(&view, Qt::Key_Plus, Qt::ControlModifier);
         QCOMPARE(test.window->viewSettings().size(), size);
+    }
+
+    /// Whatever was in the middle on the way, and however far it went.
+    void keysZoomBackToWhereTheyBegan()
+    {
+        TestWindow test;
+        QVERIFY(test.openSample(30'000));
+        Viewport& view = test.window->viewport();
+        view.setFocus();
+        const auto press = [&](Qt::Key key) {
+            const render::Camera before = view.camera();
+            QTest::keyClick(&view, key);
+            return waitFor([&] { return !(view.camera() == before); }, 5'000) && test.settle();
+        };
+        const render::Camera start = view.camera();
+        for (const auto& [there, back] :
+             {std::pair(Qt::Key_PageUp, Qt::Key_PageDown), std::pair(Qt::Key_PageDown, Qt::Key_PageUp)}) {
+            for (const int steps : {1, 6}) {
+                std::vector<render::Camera> passed;
+                for (int k = 0; k < steps; ++k) {
+                    passed.push_back(view.camera());
+                    QVERIFY(press(there));
+                }
+                for (; !passed.empty(); passed.pop_back()) {
+                    QVERIFY(press(back));
+                    QVERIFY(view.camera() == passed.back());
+                }
+            }
+            QVERIFY(view.camera() == start);
+        }
+        // Pressed faster than one sees.
+        for (const Qt::Key key :
+             {Qt::Key_PageUp, Qt::Key_PageUp, Qt::Key_PageUp, Qt::Key_PageDown, Qt::Key_PageDown, Qt::Key_PageDown})
+            QTest::keyClick(&view, key);
+        QTest::qWait(100);
+        QVERIFY(test.settle());
+        QVERIFY(view.camera() == start);
+        // Moved meanwhile: zooming goes on from there.
+        QVERIFY(press(Qt::Key_PageUp) && press(Qt::Key_Left));
+        const render::Camera turned = view.camera();
+        QVERIFY(press(Qt::Key_PageDown));
+        QVERIFY(view.camera().yaw == turned.yaw && !(view.camera() == start));
     }
 
     /// The wheel goes on zooming in for as long as it is turned.
     void wheelNeverSticks()
     {
         TestWindow test;
-        const QString path = test.folder.filePath(QStringLiteral("sample.las"));
-        writeSample(path, 30'000);
-        const Document* const document = test.open(path);
-        QVERIFY(document && test.settle());
+        const Document* const document = test.openSample(30'000);
+        QVERIFY(document);
         Viewport& view = test.window->viewport();
         const QPointF middle(view.rect().center());
         for (int turn = 0; turn < 60; ++turn) {
@@ -185,9 +223,7 @@ private slots:
     void pivotIsMarkedWhileTurning()
     {
         TestWindow test;
-        const QString path = test.folder.filePath(QStringLiteral("sample.las"));
-        writeSample(path, 30'000);
-        QVERIFY(test.open(path) && test.settle());
+        QVERIFY(test.openSample(30'000));
         Viewport& view = test.window->viewport();
         const auto* const mark = view.findChild<PivotMark*>();
         QVERIFY(mark && !mark->isVisible());

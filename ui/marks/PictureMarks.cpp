@@ -45,7 +45,7 @@ void paintMarks(QImage& picture, const PictureMarks& marks)
     double barRight = 0.0, barTop = height;
     if (marks.scaleBar || marks.northArrow) {
         ScaleBar bar = scaleBarOf(marks.camera, height, scale, marks.unit);
-        bar.bar = marks.scaleBar;
+        bar.bar = bar.bar && marks.scaleBar;
         bar.arrow = marks.northArrow;
         const QSizeF size = scaleBarSize(bar, marks.style);
         const QPointF corner(edge, height - edge - size.height());

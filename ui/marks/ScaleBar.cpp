@@ -65,7 +65,7 @@ void paintBar(QPainter& painter, const ScaleBar& bar, QSizeF size, const MarkSty
 
 }  // namespace
 
-double roundLength(double limit)
+double roundLengthUpTo(double limit)
 {
     if (!(limit > 0.0) || !std::isfinite(limit)) return 0.0;
     const double power = std::pow(10.0, std::floor(std::log10(limit)));
@@ -89,9 +89,11 @@ QString roundLengthText(double length, const QString& unit)
 ScaleBar scaleBarOf(const render::Camera& camera, double pictureHeightPx, double scale, const QString& unit)
 {
     const double perPixel = camera.unitsPerPixel(pictureHeightPx) * scale;
-    const double length = roundLength(perPixel * kMostBar);
+    const double length = roundLengthUpTo(perPixel * kMostBar);
     ScaleBar bar;
     bar.yaw = camera.yaw;
+    bar.bar = camera.eye != camera.pivot;
+    if (!bar.bar) return bar;
     bar.length = perPixel > 0.0 ? std::round(length / perPixel) : 0.0;
     bar.text = roundLengthText(length, unit);
     return bar;

@@ -22,7 +22,8 @@ struct ScaleBar {
 };
 
 /// `pictureHeightPx`: of the whole picture; `scale`: as in the MarkStyle that it is drawn with; `unit`: of what the
-/// camera sees, "" where it is not known.
+/// camera sees, "" where it is not known. A camera that has never been pointed at anything, since there are no
+/// points, has no bar.
 ScaleBar scaleBarOf(const render::Camera& camera, double pictureHeightPx, double scale, const QString& unit);
 
 /// Width and height in px of the painter.
@@ -31,7 +32,7 @@ QSizeF scaleBarSize(const ScaleBar& bar, const MarkStyle& style);
 void paintScaleBar(QPainter& painter, QPointF corner, const ScaleBar& bar, const MarkStyle& style);
 
 /// 1, 2 or 5 times a power of ten: the longest round length that is not above `limit`. 0 for limits <= 0.
-double roundLength(double limit);
+double roundLengthUpTo(double limit);
 /// "50 m", "2 km", "5 mm", "20 ft", "50 units": a round length with its unit.
 QString roundLengthText(double length, const QString& unit);
 

@@ -32,7 +32,7 @@ const QColor kAxisPlate(12, 14, 16, 190);
 /// The shortest round length that is not below `least`: neighbors among them differ by 2.5 times at most.
 double stepFrom(double least)
 {
-    return roundLength(least * 2.5);
+    return roundLengthUpTo(least * 2.5);
 }
 
 QString numberOf(double value, double step, const QString& unit)

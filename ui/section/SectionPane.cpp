@@ -152,7 +152,7 @@ void SectionPane::setWidth(double width, const QString& unit)
 {
     const QSignalBlocker quiet(m_width);
     m_width->setSuffix(unit.isEmpty() ? QString() : QLatin1Char(' ') + unit);
-    m_width->setValue(width);
+    putLength(*m_width, width, 2);
 }
 
 void SectionPane::setExaggeration(double times)

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "ui/section/Sections.h"
 
+#include "core/measure/Spacing.h"
 #include "core/task/Progress.h"
 #include "ui/ClipFrame.h"
 #include "ui/MainMenu.h"
 #include "ui/MainWindow.h"
 #include "ui/Numbers.h"
 #include "ui/Overlays.h"
+#include "ui/ShownCount.h"
+#include "ui/ShownPill.h"
 #include "ui/Text.h"
 #include "ui/ViewFilter.h"
 #include "ui/ViewRenderer.h"
@@ -64,6 +67,7 @@ Sections::Sections(MainWindow& window, QSplitter& splitter, WindowSettings& sett
       m_band(new SectionBand(window.viewport())),
       m_tool(new SectionTool(window.viewport(), *m_band, this)),
       m_ruler(new SectionRuler(m_pane->viewport())),
+      m_pill(new ShownPill(m_pane->viewport(), window.viewScope())),
       m_mainMark(new PointMark(window.viewport())),
       m_sectionMark(new PointMark(m_pane->viewport()))
 {
@@ -108,6 +112,11 @@ Sections::Sections(MainWindow& window, QSplitter& splitter, WindowSettings& sett
     connect(&workspace, &Workspace::documentLoaded, this, countLater);
     connect(&workspace, &Workspace::cloudChanged, this, countLater);
     connect(&m_window.viewFilter(), &ViewFilter::changed, this, countLater);
+    const ShownCount& shown = m_window.shownCount();
+    connect(&shown, &ShownCount::changed, this, [this, &shown, countLater] {
+        if (shown.state().reasons.isEmpty()) m_pill->take({});
+        if (shown.state().reasons != m_countedReasons) countLater();
+    });
     const ViewSettings& view = m_window.viewSettings();
     connect(&view, &ViewSettings::changed, this, [this, &view, countLater] {
         if (view.display().classVisible != m_countedClasses || !(view.display().clip == m_countedClip))
@@ -192,7 +201,7 @@ void Sections::linkPoints()
 double Sections::firstWidth(double length, const QString& unit) const
 {
     const double chosen = unit.isEmpty() ? 0.0 : m_settings.sectionWidth(unit);
-    return chosen > 0.0 ? chosen : std::max(roundLength(length / kFirstWidth), m_pane->widthField().minimum());
+    return chosen > 0.0 ? chosen : roundLength(length / kFirstWidth);
 }
 
 void Sections::draw(const glm::dvec3& from, const glm::dvec3& to)
@@ -222,6 +231,7 @@ void Sections::open(const Section& section, double fromHeight, double toHeight)
     m_toHeight = toHeight;
     m_heightsKnown = false;
     m_points.reset();
+    m_pill->take({});
     m_low = m_document->bounds().min.z;
     m_high = m_document->bounds().max.z;
     viewport().setDocument(m_document, int(workspace.documents().size()));
@@ -356,8 +366,11 @@ void Sections::count()
     if (m_job != 0) workspace.cancel(m_job);
     m_countedClasses = m_window.viewSettings().display().classVisible;
     m_countedClip = m_window.viewSettings().display().clip;
+    m_countedReasons = m_window.shownCount().state().reasons;
     std::vector<std::pair<std::shared_ptr<const PointCloud>, Visibility>> clouds;
     const auto sides = m_section->sides();
+    Visibility slab;
+    slab.clip.planes.assign(sides.begin(), sides.end());
     for (const Document* document : workspace.documents()) {
         if (document->loading()) continue;
         clouds.emplace_back(document->cloud(), m_window.viewFilter().visibility(*document));
@@ -365,23 +378,32 @@ void Sections::count()
         planes.insert(planes.end(), sides.begin(), sides.end());
     }
     if (clouds.empty()) return;  // all are being read
-    const auto found = std::make_shared<ShownHeights>();
+    struct Found {
+        ShownHeights shown;
+        PointIndex all = 0;
+    };
+    const auto found = std::make_shared<Found>();
     m_job = workspace.startJob(
         tr("Section"),
-        [clouds, found](Progress& progress) {
-            for (const auto& [cloud, visibility] : clouds)
-                found->include(shownHeights(*cloud, hiddenPoints(*cloud, visibility, progress).get(), progress));
+        [clouds, found, slab, chosen = !m_countedReasons.isEmpty()](Progress& progress) {
+            for (const auto& [cloud, visibility] : clouds) {
+                const auto hidden = hiddenPoints(*cloud, visibility, progress);
+                found->shown.include(shownHeights(*cloud, hidden.get(), progress));
+                if (chosen) found->all += cloud->size() - hiddenPoints(*cloud, slab, progress)->count();
+            }
         },
         [this, found, asked = *m_section](const JobInfo& info) {
             if (info.id == m_job) m_job = 0;
-            if (info.state == JobState::Finished && m_section == asked) take(*found);
+            if (info.state == JobState::Finished && m_section == asked) take(found->shown, found->all);
         },
         true);
 }
 
-void Sections::take(const ShownHeights& found)
+void Sections::take(const ShownHeights& found, PointIndex all)
 {
     m_points = found.points;
+    m_pill->take(m_countedReasons.isEmpty() ? ShownState{}
+                                            : ShownState{all, found.points, true, m_countedReasons, 0});
     const std::pair before(m_low, m_high);
     if (found.points != 0) {
         // the scale stays as one walks; only what would be cut off makes the view wider

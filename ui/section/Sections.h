@@ -6,6 +6,7 @@
 
 #include <QObject>
 #include <QPointer>
+#include <QStringList>
 #include <QTimer>
 
 #include <array>
@@ -25,6 +26,7 @@ class SectionBand;
 class SectionPane;
 class SectionRuler;
 class SectionTool;
+class ShownPill;
 class ViewRenderer;
 class Viewport;
 class WindowSettings;
@@ -61,6 +63,7 @@ public:
     SectionTool& tool() noexcept { return *m_tool; }
     SectionPane& pane() noexcept { return *m_pane; }
     Viewport& viewport() noexcept;
+    ShownPill& shownPill() noexcept { return *m_pill; }
     const SectionBand& band() const noexcept { return *m_band; }
     /// Heights and distances as the section view shows them; none: no section is open.
     std::optional<RulerMarks> rulerMarks() const;
@@ -78,7 +81,8 @@ private:
     void show();
     void place(bool beside);
     void count();
-    void take(const ShownHeights& found);
+    /// `all`: how many points there are in the section, hidden ones among them.
+    void take(const ShownHeights& found, PointIndex all);
     /// Of a section of this length that is opened in a file with this unit of length.
     double firstWidth(double length, const QString& unit) const;
 
@@ -90,6 +94,7 @@ private:
     SectionBand* m_band;
     SectionTool* m_tool;
     SectionRuler* m_ruler;
+    ShownPill* m_pill;
     PointMark* m_mainMark;
     PointMark* m_sectionMark;
     std::optional<Section> m_section;
@@ -100,7 +105,8 @@ private:
     bool m_heightsKnown = false;         ///< of the section as it was drawn
     double m_exaggeration = 1.0;
     std::array<bool, 256> m_countedClasses{};  ///< that were shown when points were counted last ...
-    Clip m_countedClip;                        ///< ... and where
+    Clip m_countedClip;                        ///< ... and where ...
+    QStringList m_countedReasons;              ///< ... and what hides points (ShownState)
     QTimer m_countTimer;
     JobId m_job = 0;
 };

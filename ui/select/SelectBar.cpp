@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/select/SelectBar.h"
 
+#include "core/measure/Spacing.h"
 #include "ui/MainMenu.h"
 #include "ui/MainWindow.h"
 #include "ui/Text.h"
@@ -21,8 +22,20 @@
 #include <QPointer>
 #include <QToolBar>
 
+#include <glm/geometric.hpp>
+
+#include <utility>
+
 namespace punctum::ui
 {
+
+namespace
+{
+
+constexpr double kSlabSpacings = 10.0;  // between points: as thick as a wall, or a row of trees
+constexpr double kSlabShare = 0.05;     // of the extent, while the spacing is not known
+
+}  // namespace
 
 SelectBar::SelectBar(MainWindow& window, Selection& selection, SelectTools& tools)
     : QObject(&window),
@@ -163,11 +176,22 @@ void SelectBar::addChoices()
     connect(m_depth, &QComboBox::activated, this,
             [this] { m_selection.setDepth(Selection::Depth(m_depth->currentData().toInt())); });
     m_slab->setRange(0.01, 1e6);
+    m_slab->setKeyboardTracking(false);
     m_slab->setDecimals(2);
     m_slab->setAccessibleName(tr("Thickness of the slab"));
-    m_slab->setToolTip(tr("Thickness of the slab, in units of the coordinates"));
+    m_slab->setToolTip(tr("Thickness of the slab; half of it lies before the pivot, half behind it"));
     m_slabAction = m_bar->addWidget(m_slab);
-    connect(m_slab, &QDoubleSpinBox::valueChanged, &m_selection, &Selection::setSlabThickness);
+    connect(m_slab, &QDoubleSpinBox::valueChanged, this, [this](double thickness) {
+        m_slabIsOwn = true;
+        m_selection.setSlabThickness(thickness);
+    });
+    const Workspace& workspace = m_window.workspace();
+    connect(&workspace, &Workspace::activeChanged, this, [this] {
+        m_slabIsOwn = false;  // what was typed was about another file
+        m_slabPreset = 0.0;
+        presetSlab();
+    });
+    connect(&workspace, &Workspace::documentStateChanged, this, &SelectBar::presetSlab);
 
     auto* space = new QWidget;
     space->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Preferred);
@@ -176,13 +200,26 @@ void SelectBar::addChoices()
     m_bar->addWidget(m_count);
 }
 
+void SelectBar::presetSlab()
+{
+    const Document* const document = m_window.workspace().active();
+    if (!document) return;
+    const QString unit = document->lengthUnit();
+    m_slab->setSuffix(QLatin1Char(' ') + (unit.isEmpty() ? tr("units") : unit));
+    const WorldBounds& bounds = document->bounds();
+    if (m_slabIsOwn || bounds.empty()) return;
+    const double extent = glm::length((bounds.max - bounds.min) * document->viewStretch(bounds));
+    const double preset =
+        roundLength(document->spacing() > 0.0 ? kSlabSpacings * document->spacing() : kSlabShare * extent);
+    if (preset != std::exchange(m_slabPreset, preset)) m_selection.setSlabThickness(preset);
+}
+
 void SelectBar::takeSettings()
 {
     m_mode->setCurrentIndex(m_mode->findData(int(m_selection.mode())));
     m_depth->setCurrentIndex(m_depth->findData(int(m_selection.depth())));
     m_slabAction->setVisible(m_selection.depth() == Selection::Depth::Slab);
-    const QSignalBlocker quiet(m_slab);
-    m_slab->setValue(m_selection.slabThickness());
+    putLength(*m_slab, m_selection.slabThickness(), 2);
 }
 
 QString SelectBar::countText() const

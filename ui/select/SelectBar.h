@@ -38,6 +38,8 @@ private:
     void addActions();
     void saveSelected();
     void addChoices();
+    /// A thickness that suits the active document, until the user has chosen one for it.
+    void presetSlab();
     void takeSettings();
     void takeCount();
 
@@ -52,6 +54,8 @@ private:
     QComboBox* m_depth;
     QDoubleSpinBox* m_slab;
     QAction* m_slabAction = nullptr;
+    bool m_slabIsOwn = false;
+    double m_slabPreset = 0.0;
     QLabel* m_count;
 };
 

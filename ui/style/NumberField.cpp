@@ -3,6 +3,8 @@
 
 #include "ui/style/Widgets.h"
 
+#include <QSignalBlocker>
+
 #include <algorithm>
 #include <cmath>
 
@@ -111,6 +113,16 @@ QString NumberSpin::bare(const QString& text) const
     if (const QString unit = suffix().trimmed(); !unit.isEmpty() && typed.trimmed().endsWith(unit))
         typed = typed.trimmed().chopped(unit.size());
     return typed.trimmed();
+}
+
+void putLength(QDoubleSpinBox& field, double length, int decimals)
+{
+    constexpr int kMostDecimals = 9;
+    const int wanted = length > 0.0 ? 1 - int(std::floor(std::log10(length))) : decimals;
+    const QSignalBlocker quiet(&field);
+    field.setDecimals(std::clamp(wanted, decimals, kMostDecimals));
+    field.setMinimum(std::pow(10.0, -field.decimals()));
+    field.setValue(length);
 }
 
 }  // namespace punctum::ui

@@ -66,4 +66,8 @@ private:
     QString bare(const QString& text) const;
 };
 
+/// Puts a length into a spin box without a signal. Its decimals, at least so many, and its least value follow the
+/// length, since some clouds are kilometers wide and others millimeters.
+void putLength(QDoubleSpinBox& field, double length, int decimals);
+
 }  // namespace punctum::ui
