@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "ui/Panels.h"
 
+#include "ui/style/Theme.h"
+
 #include <QDockWidget>
+#include <QEvent>
 #include <QLabel>
 #include <QMainWindow>
 
@@ -16,7 +19,8 @@ namespace
 
 // Shares of the window's width, and px: wide enough to read, and the view has most of it.
 constexpr double kLeftShare = 0.235, kRightShare = 0.21;
-constexpr int kLeastLeft = 230, kMostLeft = 350, kLeastRight = 230, kMostRight = 310;
+constexpr int kMostLeft = 350, kMostRight = 310;
+constexpr int kLeastView = 560;                                   // px, as long as the panels can do with less
 constexpr double kAttributesShare = 0.7, kProcessingShare = 0.8;  // of the window's height
 
 }  // namespace
@@ -25,6 +29,32 @@ Panels::Panels(QMainWindow& window) : QObject(&window), m_window(window)
 {
     m_window.setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
     m_window.setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
+    m_window.installEventFilter(this);
+    m_resized.setSingleShot(true);  // when all has its new place
+    connect(&m_resized, &QTimer::timeout, this, &Panels::makeRoom);
+}
+
+bool Panels::eventFilter(QObject* watched, QEvent* event)
+{
+    if (event->type() == QEvent::Resize) m_resized.start(0);
+    return QObject::eventFilter(watched, event);
+}
+
+void Panels::makeRoom()
+{
+    const QWidget* const view = m_window.centralWidget();
+    int lacking = kLeastView - (view ? view->width() : kLeastView);
+    for (const auto area : {Qt::LeftDockWidgetArea, Qt::RightDockWidgetArea}) {
+        QDockWidget* panel = nullptr;  // any that stands there is as wide as all others
+        for (QDockWidget* dock : m_window.findChildren<QDockWidget*>(Qt::FindDirectChildrenOnly))
+            if (m_window.dockWidgetArea(dock) == area && !dock->isFloating() && dock->isVisible() &&
+                !dock->visibleRegion().isEmpty())
+                panel = dock;
+        const int spare = panel ? std::min(lacking, panel->width() - kLeastPanelWidth) : 0;
+        if (spare <= 0) continue;
+        m_window.resizeDocks({panel}, {panel->width() - spare}, Qt::Horizontal);
+        lacking -= spare;
+    }
 }
 
 void Panels::addLeft(const QList<QDockWidget*>& docks)
@@ -53,8 +83,8 @@ void Panels::arrange()
 {
     const int width = m_window.width(), height = m_window.height();
     m_window.resizeDocks({m_left.front(), m_right.front().front()},
-                         {std::clamp(int(width * kLeftShare), kLeastLeft, kMostLeft),
-                          std::clamp(int(width * kRightShare), kLeastRight, kMostRight)},
+                         {std::clamp(int(width * kLeftShare), kLeastPanelWidth, kMostLeft),
+                          std::clamp(int(width * kRightShare), kLeastPanelWidth, kMostRight)},
                          Qt::Horizontal);
     const auto split = [&](QDockWidget* upper, QDockWidget* lower, double share) {
         m_window.resizeDocks({upper, lower}, {int(height * share), int(height * (1.0 - share))}, Qt::Vertical);

@@ -4,6 +4,7 @@
 #include <QList>
 #include <QObject>
 #include <QPointer>
+#include <QTimer>
 
 class QDockWidget;
 class QMainWindow;
@@ -26,6 +27,7 @@ public:
     void addRight(const QList<QDockWidget*>& docks);
     /// Widths and heights as they suit the window's size; for a window that nobody has arranged.
     void arrange();
+    bool eventFilter(QObject* watched, QEvent* event) override;
 
     /// Whether one can be seen.
     bool shown() const;
@@ -33,7 +35,11 @@ public:
     void toggle();
 
 private:
+    /// In a window that has become small the panels give the view what they can do without.
+    void makeRoom();
+
     QMainWindow& m_window;
+    QTimer m_resized;
     QList<QDockWidget*> m_left;
     QList<QList<QDockWidget*>> m_right;
     QList<QPointer<QDockWidget>> m_hidden;

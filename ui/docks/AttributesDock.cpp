@@ -7,6 +7,7 @@
 #include "ui/docks/ColorPanel.h"
 #include "ui/style/Icons.h"
 #include "ui/style/Theme.h"
+#include "ui/style/Widgets.h"
 
 #include <QComboBox>
 #include <QDrag>
@@ -101,6 +102,12 @@ AttributesView::AttributesView(QWidget* parent) : QListView(parent)
     setAccessibleName(tr("Attributes"));
 }
 
+void AttributesView::resizeEvent(QResizeEvent* event)
+{
+    QListView::resizeEvent(event);
+    scrollTo(currentIndex());
+}
+
 void AttributesView::startDrag(Qt::DropActions actions)
 {
     const QModelIndexList chosen = selectedIndexes();
@@ -158,8 +165,7 @@ AttributesDock::AttributesDock(Workspace& workspace, ViewSettings& settings, QWi
     });
     connect(m_actions, &AttributeActions::shownRenamed, this, &AttributesDock::attributeChosen);
     // Long names are cut off here instead of making the panel wide, and a thousand of them are not measured.
-    m_files->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
-    m_files->setMinimumContentsLength(12);
+    mayBeNarrow(*m_files);
     connect(m_files, &QComboBox::activated, this, [this](int row) {
         const QVariant chosen = m_files->itemData(row);
         for (Document* document : m_workspace.documents())
@@ -185,7 +191,7 @@ AttributesDock::AttributesDock(Workspace& workspace, ViewSettings& settings, QWi
     column->addWidget(m_view, 1);
     column->addWidget(m_colors);
     setWidget(content);
-    setMinimumWidth(250);
+    setMinimumWidth(kLeastPanelWidth);
 }
 
 void AttributesDock::updateFiles()
@@ -214,7 +220,7 @@ void AttributesDock::setFrame(const Frame& frame)
 {
     if (frame.attribute != m_model->shown()) {
         m_model->setShown(frame.attribute);
-        m_view->scrollTo(m_model->indexOf(frame.attribute));
+        m_view->setCurrentIndex(m_model->indexOf(frame.attribute));  // which scrolls to it
     }
     const Document* document = m_model->document();
     const Attribute* attribute = document ? document->findAttribute(frame.attribute) : nullptr;

@@ -27,6 +27,7 @@ public:
     explicit AttributesView(QWidget* parent = nullptr);
 
 protected:
+    void resizeEvent(QResizeEvent* event) override;
     void startDrag(Qt::DropActions actions) override;
 };
 

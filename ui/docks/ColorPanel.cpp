@@ -31,6 +31,9 @@ namespace punctum::ui
 namespace
 {
 
+// px; all of a row stands side by side in the narrowest panel.
+constexpr int kLeastNumber = 52, kLeastSpin = 76;
+
 QIcon gradientIcon(const render::ColorTable& table, QSize size)
 {
     QImage line(256, 1, QImage::Format_RGB32);
@@ -68,8 +71,9 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
       m_samples(new QComboBox),
       m_tone(new ToneRow(settings))
 {
-    const QSize icon(72, 12);
+    const QSize icon(56, 12);
     m_map->setIconSize(icon);
+    for (QComboBox* box : {m_map, m_sizing, m_samples}) mayBeNarrow(*box);
     m_map->addItem(tr("Automatic"), QString());
     for (const render::ColorMap& map : render::colorMaps())
         m_map->addItem(gradientIcon(map.table, icon), toQString(map.name), toQString(map.name));
@@ -84,7 +88,7 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     m_high->setToolTip(tr("Value that gets the last color"));
     m_high->setAccessibleName(tr("Highest value"));
     for (NumberField* field : {m_low, m_high}) {
-        field->setMinimumWidth(60);
+        field->setMinimumWidth(kLeastNumber);
         connect(field, &QLineEdit::editingFinished, this, &ColorPanel::applyRange);
         connect(field, &NumberField::problemChanged, this, [this] {
             m_problem->setText(m_low->problem().isEmpty() ? m_high->problem() : m_low->problem());
@@ -108,6 +112,8 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
         tr("Shades each point by how far it lies behind its neighbors, so that shapes stand out (L)"));
     connect(m_eyeDome, &QCheckBox::toggled, this, [this](bool on) { m_settings.setEyeDome(on ? 1.0 : 0.0); });
 
+    m_size->setMinimumWidth(kLeastSpin);
+    m_bands->setMinimumWidth(kLeastSpin);
     m_size->setToolTip(tr("Width of a point (+ and -)"));
     m_size->setAccessibleName(tr("Point size"));
     m_size->setKeyboardTracking(false);
@@ -134,11 +140,11 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     connect(m_samples, &QComboBox::activated, this,
             [this] { m_settings.setSamples(m_samples->currentData().toInt()); });
 
-    auto* colors = new QHBoxLayout;
+    QHBoxLayout* const colors = m_colorsRow = new QHBoxLayout;
     colors->setSpacing(8);
     colors->addWidget(m_map, 3);
     colors->addWidget(m_bands, 2);
-    auto* range = new QHBoxLayout;
+    QHBoxLayout* const range = m_rangeRow = new QHBoxLayout;
     range->setSpacing(6);
     range->addWidget(m_low, 1);
     range->addWidget(dimLabel(tr("to")));
@@ -152,13 +158,13 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
     points->setSpacing(8);
     points->addWidget(m_size, 1);
     points->addWidget(m_sizing, 1);
-    auto* shape = new QHBoxLayout;
-    shape->setSpacing(8);
-    shape->addWidget(m_round, 1);
-    shape->addWidget(m_averaged, 1);
-    shape->addWidget(m_eyeDome, 1);
+    auto* shape = new FoldingRow(8, 2, 1);
+    shape->first().addWidget(m_round, 1);
+    shape->first().addWidget(m_averaged, 1);
+    shape->second().addWidget(m_eyeDome, 1);
 
-    auto* form = new QFormLayout(this);
+    QFormLayout* const form = m_form = new QFormLayout(this);
+    form->setRowWrapPolicy(QFormLayout::WrapLongRows);
     form->setContentsMargins(0, 4, 0, 0);
     form->setHorizontalSpacing(10);
     form->setVerticalSpacing(8);
@@ -226,6 +232,12 @@ void ColorPanel::takeSize()
 void ColorPanel::setKind(std::optional<AttributeKind> kind)
 {
     const bool scalar = kind == AttributeKind::Scalar;
+    if (kind != m_kind) {  // asked for each frame
+        m_form->setRowVisible(m_colorsRow, scalar);
+        m_form->setRowVisible(m_rangeRow, scalar);
+        m_form->setRowVisible(m_tone, kind == AttributeKind::Color);
+        m_kind = kind;
+    }
     for (QWidget* widget : std::initializer_list<QWidget*>{m_map, m_low, m_high, m_auto, m_bands})
         widget->setEnabled(scalar);
     m_tone->setEnabled(kind == AttributeKind::Color);

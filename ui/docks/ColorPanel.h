@@ -11,6 +11,8 @@
 class QCheckBox;
 class QComboBox;
 class QDoubleSpinBox;
+class QFormLayout;
+class QHBoxLayout;
 class QLabel;
 class QPushButton;
 class QSpinBox;
@@ -32,7 +34,7 @@ public:
 
     /// The range that is drawn at present, for the fields.
     void setRange(std::pair<double, double> range);
-    /// Color map and range mean something for scalar attributes only.
+    /// Color map and range mean something for scalar attributes only, the tone for colors; others are not shown.
     void setKind(std::optional<AttributeKind> kind);
 
 private:
@@ -44,6 +46,10 @@ private:
     void fillRange();
 
     ViewSettings& m_settings;
+    QFormLayout* m_form = nullptr;
+    QHBoxLayout* m_colorsRow = nullptr;
+    QHBoxLayout* m_rangeRow = nullptr;
+    std::optional<AttributeKind> m_kind = AttributeKind::Opaque;  ///< whose rows are shown; not yet: all
     QComboBox* m_map = nullptr;
     NumberField* m_low = nullptr;
     NumberField* m_high = nullptr;

@@ -31,6 +31,8 @@ public:
         initStyleOption(&row, index);
         const QString name = row.text, count = index.data(HistoryDock::kCountRole).toString();
         row.text.clear();
+        row.palette.setColor(QPalette::Highlight, themeColors().accentSoft);  // on which the count can be read
+        row.palette.setColor(QPalette::HighlightedText, themeColors().text);
         const QWidget* const widget = option.widget;
         widget->style()->drawControl(QStyle::CE_ItemViewItem, &row, painter, widget);
         const QRect inside = option.rect.adjusted(kMargin, 0, -kMargin, 0);

@@ -77,11 +77,13 @@ ProcessingDock::ProcessingDock(Workspace& workspace, QWidget* parent)
     setObjectName(QStringLiteral("processing"));
     for (const Step* each : allSteps()) m_steps->addItem(toQString(each->title()), toQString(each->name()));
     m_steps->setAccessibleName(tr("Processing step"));
+    mayBeNarrow(*m_steps);
     m_help->setWordWrap(true);
     m_help->setTextInteractionFlags(Qt::TextSelectableByMouse);
     m_form->setHorizontalSpacing(12);
     m_form->setVerticalSpacing(8);
     m_form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
+    m_form->setRowWrapPolicy(QFormLayout::WrapLongRows);
     m_show->setChecked(true);
     m_show->setToolTip(tr("Color the points by what the step made, as soon as it is there"));
     m_run->setProperty("primary", true);
@@ -103,7 +105,7 @@ ProcessingDock::ProcessingDock(Workspace& workspace, QWidget* parent)
     column->addWidget(m_result);
     column->addStretch(1);
     setWidget(scrollColumn(content));
-    setMinimumWidth(250);
+    setMinimumWidth(kLeastPanelWidth);
 
     connect(m_steps, &QComboBox::currentIndexChanged, this, &ProcessingDock::buildFields);
     connect(m_run, &QPushButton::clicked, this, [this] {
@@ -160,6 +162,7 @@ void ProcessingDock::buildFields()
         if (parameter.type == Type::AttributeName || parameter.type == Type::ClassCode ||
             parameter.type == Type::Choice) {
             auto* box = new QComboBox;
+            mayBeNarrow(*box);
             box->setMaxVisibleItems(18);
             if (parameter.type == Type::Choice && parameter.optional) box->addItem(tr("none"), QString());
             for (const std::string& choice : parameter.choices) box->addItem(toQString(choice), toQString(choice));

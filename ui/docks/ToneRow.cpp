@@ -4,17 +4,25 @@
 #include "ui/ViewSettings.h"
 #include "ui/style/NumberField.h"
 #include "ui/style/Theme.h"
+#include "ui/style/Widgets.h"
 
 #include <QDoubleSpinBox>
-#include <QHBoxLayout>
 #include <QPushButton>
 #include <QSignalBlocker>
 #include <QSpinBox>
+#include <QVBoxLayout>
 
 #include <cmath>
 
 namespace punctum::ui
 {
+
+namespace
+{
+
+constexpr int kLeastField = 60;  // px
+
+}  // namespace
 
 ToneRow::ToneRow(ViewSettings& settings, QWidget* parent)
     : QWidget(parent),
@@ -43,15 +51,16 @@ ToneRow::ToneRow(ViewSettings& settings, QWidget* parent)
     m_reset->setToolTip(tr("Colors as they are in the file"));
     connect(m_reset, &QPushButton::clicked, this, [this] { m_settings.setTone({}); });
 
-    auto* row = new QHBoxLayout(this);
-    row->setContentsMargins(0, 0, 0, 0);
-    row->setSpacing(6);
-    for (QWidget* field : std::initializer_list<QWidget*>{m_brightness, m_contrast, m_gamma}) {
+    auto* column = new QVBoxLayout(this);
+    column->setContentsMargins(0, 0, 0, 0);
+    auto* row = new FoldingRow(6);
+    column->addWidget(row);
+    for (QWidget* field : std::initializer_list<QWidget*>{m_brightness, m_contrast, m_gamma, m_reset}) {
         field->setMinimumHeight(kFieldHeight);
-        field->setMinimumWidth(56);
-        row->addWidget(field, 1);
+        field->setMinimumWidth(kLeastField);
+        QHBoxLayout& half = field == m_brightness || field == m_contrast ? row->first() : row->second();
+        half.addWidget(field, 1);
     }
-    row->addWidget(m_reset);
     connect(&m_settings, &ViewSettings::changed, this, &ToneRow::takeSettings);
     takeSettings();
 }

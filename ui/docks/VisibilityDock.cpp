@@ -13,7 +13,6 @@
 
 #include <QCheckBox>
 #include <QGridLayout>
-#include <QHBoxLayout>
 #include <QKeyEvent>
 #include <QLabel>
 #include <QLineEdit>
@@ -44,7 +43,7 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
       m_viewport(viewport),
       m_condition(new QLineEdit),
       m_state(dimLabel({})),
-      m_useBox(new QCheckBox(tr("Show only what lies in the box"))),
+      m_useBox(new QCheckBox(tr("Only what lies in the box"))),
       m_boxProblem(dimLabel({})),
       m_boxOfView(new QPushButton(tr("Box of the View"))),
       m_boxOfFile(new QPushButton(tr("Box of the File"))),
@@ -74,6 +73,7 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
             auto*& field = m_fields[std::size_t(axis) + 3 * std::size_t(side)];
             field = new NumberField;
             field->setMinimumWidth(60);
+            field->setPlaceholderText(side == 0 ? tr("least") : tr("most"));
             field->setAccessibleName((side == 0 ? tr("Least %1") : tr("Most %1")).arg(QChar(u'X' + axis)));
             field->setToolTip(
                 tr("Up and Down move the face by a hundredth of the box; in the view, drag its handle"));
@@ -119,10 +119,9 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
     });
 
     const auto pair = [](QWidget* a, QWidget* b) {
-        auto* row = new QHBoxLayout;
-        row->setSpacing(8);
-        row->addWidget(a, 1);
-        row->addWidget(b, 1);
+        auto* row = new FoldingRow(8);
+        row->first().addWidget(a, 1);
+        row->second().addWidget(b, 1);
         return row;
     };
     auto* body = new QWidget;
@@ -137,10 +136,10 @@ VisibilityDock::VisibilityDock(ViewFilter& filter, ViewSettings& settings, Viewp
     column->addWidget(m_useBox);
     column->addLayout(fields);
     column->addWidget(m_boxProblem);
-    column->addLayout(pair(m_boxOfView, m_boxOfFile));
+    column->addWidget(pair(m_boxOfView, m_boxOfFile));
     column->addSpacing(kPartSpacing);
     column->addWidget(heading(tr("Cuts")));
-    column->addLayout(pair(m_cut, m_uncut));
+    column->addWidget(pair(m_cut, m_uncut));
     column->addStretch();
     setWidget(scrollColumn(body));
     connect(&m_settings, &ViewSettings::changed, this, &VisibilityDock::takeClip);

@@ -8,12 +8,12 @@
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
 #include "ui/style/Icons.h"
+#include "ui/style/Widgets.h"
 
 #include <QActionGroup>
 #include <QApplication>
 #include <QClipboard>
 #include <QFileDialog>
-#include <QHBoxLayout>
 #include <QHeaderView>
 #include <QKeyEvent>
 #include <QLabel>
@@ -77,17 +77,17 @@ MeasureDock::MeasureDock(Measurements& measurements, QWidget* parent)
     });
 
     auto* content = new QWidget;
-    auto* buttons = new QHBoxLayout;
-    buttons->addWidget(m_copy);
-    buttons->addWidget(m_export);
-    buttons->addStretch(1);
-    buttons->addWidget(m_remove);
+    auto* buttons = new FoldingRow(8);
+    buttons->first().addWidget(m_copy, 1);
+    buttons->first().addWidget(m_export, 2);
+    buttons->second().addStretch(1);
+    buttons->second().addWidget(m_remove, 2);
     auto* column = new QVBoxLayout(content);
     column->setContentsMargins(10, 8, 10, 8);
     column->setSpacing(8);
     column->addWidget(m_hint);
     column->addWidget(m_list, 1);
-    column->addLayout(buttons);
+    column->addWidget(buttons);
     setWidget(content);
     fill();
 }

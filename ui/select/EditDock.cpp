@@ -24,11 +24,7 @@
 #include <QLabel>
 #include <QPushButton>
 #include <QShortcut>
-#include <QSignalBlocker>
 #include <QVBoxLayout>
-
-#include <algorithm>
-#include <cmath>
 
 namespace punctum::ui
 {
@@ -64,7 +60,7 @@ EditDock::EditDock(Workspace& workspace, Selection& selection, ViewRenderer& ren
     column->addWidget(m_endPreview);
     column->addStretch(1);
     setWidget(scrollColumn(content));
-    setMinimumWidth(250);
+    setMinimumWidth(kLeastPanelWidth);
     connect(&m_selection, &Selection::changed, this, [this] {
         takeState();
         // a new selection is to be seen, and it may be what the rule is for
@@ -146,13 +142,13 @@ QWidget* EditDock::makeRulePart()
     m_previewRule->setToolTip(
         tr("Show how the points would look, and count those that would change; nothing changes"));
     m_apply->setToolTip(tr("Change the points; it can be undone"));
-    auto* row = new QHBoxLayout;
-    row->setSpacing(6);
-    for (QPushButton* button : {m_select, m_previewRule, m_apply}) row->addWidget(button, 1);
+    auto* row = new FoldingRow(6, 2, 1);
+    for (QPushButton* button : {m_select, m_previewRule}) row->first().addWidget(button, 1);
+    row->second().addWidget(m_apply, 1);
     column->addWidget(heading(tr("Rule")));
     column->addWidget(m_rule);
     column->addWidget(m_selectedOnly);
-    column->addLayout(row);
+    column->addWidget(row);
     connect(m_select, &QPushButton::clicked, this, &EditDock::selectByRule);
     connect(m_previewRule, &QPushButton::clicked, this, &EditDock::previewRule);
     connect(m_apply, &QPushButton::clicked, this, &EditDock::applyRule);
@@ -177,10 +173,12 @@ QWidget* EditDock::makeNeighborPart()
     grid->addWidget(heading(tr("Neighbors of the selected points")), 0, 0, 1, 3);
     grid->addWidget(dimLabel(tr("Distance")), 1, 0);
     grid->addWidget(m_distance, 1, 1, 1, 2);
+    auto* row = new FoldingRow(6, 2, 1);
+    grid->addWidget(row, 2, 0, 1, 3);
     const auto add = [&](int at, const QString& text, const QString& tip, void (Selection::*act)(double)) {
         m_neighbors[std::size_t(at)] = new QPushButton(text);
         m_neighbors[std::size_t(at)]->setToolTip(tip);
-        grid->addWidget(m_neighbors[std::size_t(at)], 2, at);
+        (at < 2 ? row->first() : row->second()).addWidget(m_neighbors[std::size_t(at)], 1);
         connect(m_neighbors[std::size_t(at)], &QPushButton::clicked, this, [this, act] {
             m_asked = m_distance->text();
             (m_selection.*act)(m_distance->value());
@@ -206,6 +204,7 @@ void EditDock::setDocument(Document* document)
 
 void EditDock::fillClasses()
 {
+    for (QComboBox* box : {m_from, m_to}) mayBeNarrow(*box);
     m_from->addItem(tr("any class"), kAnyClass);
     for (unsigned code = 0; code < 256; ++code) {
         const QIcon icon = swatchIcon(render::asprsClasses()[code].color);
@@ -232,11 +231,7 @@ void EditDock::presetDistance()
 {
     if (m_distanceIsOwn || !m_document || m_document->spacing() <= 0) return;
     // Twice the spacing reaches the nearest points of a surface wherever they lie at random, and few others.
-    const double preset = roundLength(2 * m_document->spacing());
-    const QSignalBlocker quiet(m_distance);
-    m_distance->setDecimals(std::max(3, 1 - int(std::floor(std::log10(preset)))));
-    m_distance->setMinimum(std::pow(10.0, -m_distance->decimals()));
-    m_distance->setValue(preset);
+    putLength(*m_distance, roundLength(2 * m_document->spacing()), 3);
 }
 
 void EditDock::tellNeighbors(quint64 joined, quint64 left)

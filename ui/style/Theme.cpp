@@ -122,6 +122,7 @@ QListView, QTreeView, QTableView, QTextBrowser { background: @base; border: 1px 
 QListView:focus, QTreeView:focus, QTableView:focus, QTextBrowser:focus, QPlainTextEdit:focus { border-color: @accent; }
 QComboBox QAbstractItemView { padding: 4px; border-radius: 0; }
 QTableView::item { border: none; padding: 0 6px; }
+QTreeView::item { border: none; padding: 2px 6px; }
 QTableView::item:selected, QTreeView::item:selected { background: @accentSoft; color: @text; }
 QHeaderView { background: transparent; }
 QHeaderView::section { background: transparent; color: @dim; border: none; padding: 4px 6px; }
@@ -133,6 +134,7 @@ QPushButton:focus { border-color: @accent; }
 QPushButton:disabled { color: @dim; }
 QPushButton[primary="true"] { background: @accent; border-color: @accent; color: @onAccent; font-weight: 600; }
 QPushButton[primary="true"]:hover { background: @accentHover; }
+QPushButton[primary="true"]:focus { border-color: @text; }
 QPushButton[primary="true"]:disabled { background: @raised; border-color: @border; color: @dim; }
 QPushButton[flat="true"] { background: transparent; border: none; padding: 4px 8px; color: @accent; }
 QPushButton[flat="true"]:hover { background: @hover; }
@@ -148,6 +150,9 @@ QLineEdit[wrong="true"] { border-color: @error; }
 QPlainTextEdit#rule { background: @base; border: 1px solid @border; border-radius: 6px; padding: 2px 3px; selection-background-color: @accent; }
 QPlainTextEdit#rule:focus { border-color: @accent; }
 QPlainTextEdit#rule[wrong="true"] { border-color: @error; }
+
+QMessageBox QLabel#qt_msgbox_label { font-weight: 600; }
+QMessageBox QLabel#qt_msgbox_informativelabel { min-width: 380px; }
 
 QProgressBar { background: @hover; border: none; border-radius: 2px; max-height: 4px; min-height: 4px; }
 QProgressBar::chunk { background: @accent; border-radius: 2px; }

@@ -14,6 +14,8 @@ namespace punctum::ui
 
 /// Height of line edits, combo boxes and spin boxes in logical px, so that rows line up.
 inline constexpr int kFieldHeight = 30;
+/// px that each column of panels can do with.
+inline constexpr int kLeastPanelWidth = 222;
 
 enum class Appearance { System, Dark, Light };
 

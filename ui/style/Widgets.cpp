@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "ui/style/Widgets.h"
 
+#include <QComboBox>
+#include <QResizeEvent>
 #include <QStyle>
 #include <QToolTip>
+
+#include <algorithm>
 
 namespace punctum::ui
 {
@@ -20,6 +24,7 @@ QLabel* heading(const QString& text)
     QFont bold = label->font();
     bold.setBold(true);
     label->setFont(bold);
+    label->setWordWrap(true);
     return label;
 }
 
@@ -55,6 +60,39 @@ QScrollArea* scrollColumn(QWidget* content)
     area->setFrameShape(QFrame::NoFrame);
     area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     return area;
+}
+
+void mayBeNarrow(QComboBox& box)
+{
+    constexpr int kLeastLetters = 5;
+    box.setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+    box.setMinimumContentsLength(kLeastLetters);
+}
+
+FoldingRow::FoldingRow(int spacing, int firstShare, int secondShare)
+    : m_row(new QBoxLayout(QBoxLayout::LeftToRight, this)), m_first(new QHBoxLayout), m_second(new QHBoxLayout)
+{
+    m_row->setContentsMargins(0, 0, 0, 0);
+    m_row->addLayout(m_first, firstShare);
+    m_row->addLayout(m_second, secondShare);
+    for (QBoxLayout* part : {m_row, static_cast<QBoxLayout*>(m_first), static_cast<QBoxLayout*>(m_second)})
+        part->setSpacing(spacing);
+}
+
+QSize FoldingRow::minimumSizeHint() const
+{
+    const int width = std::max(m_first->minimumSize().width(), m_second->minimumSize().width());
+    return {width, m_row->minimumSize().height()};
+}
+
+void FoldingRow::resizeEvent(QResizeEvent* event)
+{
+    QWidget::resizeEvent(event);
+    const int both = m_first->minimumSize().width() + m_row->spacing() + m_second->minimumSize().width();
+    const auto direction = width() < both ? QBoxLayout::TopToBottom : QBoxLayout::LeftToRight;
+    if (direction == m_row->direction()) return;
+    m_row->setDirection(direction);
+    updateGeometry();
 }
 
 }  // namespace punctum::ui

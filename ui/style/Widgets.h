@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <QBoxLayout>
 #include <QLabel>
 #include <QScrollArea>
+
+class QComboBox;
 
 namespace punctum::ui
 {
@@ -18,5 +21,29 @@ void markWrong(QWidget& field, const QString& why);
 QString wrongness(const QWidget& field);
 /// A panel's column that scrolls up and down where it does not fit, never sideways.
 QScrollArea* scrollColumn(QWidget* content);
+
+/// Lets it be as narrow as its panel must be, whatever long texts it has.
+void mayBeNarrow(QComboBox& box);
+
+/// Two groups of fields: side by side where there is room, else one below the other. So a row asks no more of a
+/// panel than its wider half.
+class FoldingRow final : public QWidget
+{
+public:
+    /// The shares are of the width, while they stand side by side.
+    explicit FoldingRow(int spacing, int firstShare = 1, int secondShare = 1);
+    /// Layouts to put fields into.
+    QHBoxLayout& first() noexcept { return *m_first; }
+    QHBoxLayout& second() noexcept { return *m_second; }
+
+    QSize minimumSizeHint() const override;
+
+protected:
+    void resizeEvent(QResizeEvent* event) override;
+
+private:
+    QBoxLayout* m_row;
+    QHBoxLayout *m_first, *m_second;
+};
 
 }  // namespace punctum::ui
