@@ -44,17 +44,22 @@ void Panels::makeRoom()
 {
     const QWidget* const view = m_window.centralWidget();
     int lacking = kLeastView - (view ? view->width() : kLeastView);
+    QList<QDockWidget*> wide;
+    QList<int> widths;
     for (const auto area : {Qt::LeftDockWidgetArea, Qt::RightDockWidgetArea}) {
-        QDockWidget* panel = nullptr;  // any that stands there is as wide as all others
+        QDockWidget* panel =
+            nullptr;  // any that stands there is as wide as all others; those behind it lie outside
         for (QDockWidget* dock : m_window.findChildren<QDockWidget*>(Qt::FindDirectChildrenOnly))
             if (m_window.dockWidgetArea(dock) == area && !dock->isFloating() && dock->isVisible() &&
-                !dock->visibleRegion().isEmpty())
+                m_window.rect().intersects(dock->geometry()))
                 panel = dock;
         const int spare = panel ? std::min(lacking, panel->width() - kLeastPanelWidth) : 0;
         if (spare <= 0) continue;
-        m_window.resizeDocks({panel}, {panel->width() - spare}, Qt::Horizontal);
+        wide << panel;
+        widths << panel->width() - spare;
         lacking -= spare;
     }
+    m_window.resizeDocks(wide, widths, Qt::Horizontal);
 }
 
 void Panels::addLeft(const QList<QDockWidget*>& docks)
