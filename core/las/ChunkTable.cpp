@@ -229,8 +229,18 @@ private:
     {
         std::uint64_t reached = walkLayered(m_tableAt.value_or(m_end), !m_tableAt);
         if (m_tableAt && reached != *m_tableAt) reached = walkLayered(m_end, true);
+        dropUnfinished();
         m_list.end = m_end;
         endOfWalk();
+    }
+    /// Zeros in place of the table and of the last chunk's last bytes: a copy that was interrupted in the chunk.
+    void dropUnfinished()
+    {
+        constexpr std::uint64_t kMostAtEnd = 5;  // of a coder's own, and by chance: see wholeChunk()
+        if (m_list.chunks.empty()) return;
+        const Chunk& last = m_list.chunks.back();
+        const std::uint64_t end = last.offset + last.bytes;
+        if (end < m_end && zerosBefore(m_file, last.offset, m_end) + kMostAtEnd < end) m_list.chunks.pop_back();
     }
     std::uint64_t walkLayered(std::uint64_t end, bool untilAllFound)
     {
