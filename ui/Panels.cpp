@@ -47,13 +47,15 @@ void Panels::makeRoom()
     QList<QDockWidget*> wide;
     QList<int> widths;
     for (const auto area : {Qt::LeftDockWidgetArea, Qt::RightDockWidgetArea}) {
-        QDockWidget* panel =
-            nullptr;  // any that stands there is as wide as all others; those behind it lie outside
-        for (QDockWidget* dock : m_window.findChildren<QDockWidget*>(Qt::FindDirectChildrenOnly))
-            if (m_window.dockWidgetArea(dock) == area && !dock->isFloating() && dock->isVisible() &&
-                m_window.rect().intersects(dock->geometry()))
-                panel = dock;
-        const int spare = panel ? std::min(lacking, panel->width() - kLeastPanelWidth) : 0;
+        // Any that stands there is as wide as all others; those behind it lie outside.
+        QDockWidget* panel = nullptr;
+        int least = kLeastPanelWidth;
+        for (QDockWidget* dock : m_window.findChildren<QDockWidget*>(Qt::FindDirectChildrenOnly)) {
+            if (m_window.dockWidgetArea(dock) != area || dock->isFloating() || !dock->isVisible()) continue;
+            least = std::max(least, dock->minimumSizeHint().width());
+            if (m_window.rect().intersects(dock->geometry())) panel = dock;
+        }
+        const int spare = panel ? std::min(lacking, panel->width() - least) : 0;
         if (spare <= 0) continue;
         wide << panel;
         widths << panel->width() - spare;

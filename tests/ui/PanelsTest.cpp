@@ -9,6 +9,7 @@
 #include "ui/Text.h"
 #include "ui/docks/AttributesDock.h"
 #include "ui/docks/ClassesDock.h"
+#include "ui/docks/ClassesModel.h"
 #include "ui/docks/ProcessingDock.h"
 #include "ui/select/EditDock.h"
 
@@ -22,6 +23,7 @@
 #include <QPushButton>
 #include <QSignalSpy>
 #include <QStatusBar>
+#include <QTableView>
 
 #include <glm/geometric.hpp>
 
@@ -79,10 +81,13 @@ QString cutOff(QDockWidget& panel)
         if (!control || !widget->isVisible() || qobject_cast<const QAbstractSpinBox*>(widget->parentWidget()))
             continue;
         const int end = widget->mapTo(&panel, QPoint(widget->width(), 0)).x();
-        if (end > panel.width() || widget->width() < std::min(widget->minimumSizeHint().width(), 60))
-            return QStringLiteral("%1: \"%2\" is %3 wide and ends at %4 of %5")
+        if (end > panel.width() || widget->width() < std::min(widget->minimumSizeHint().width(), 60) ||
+            widget->height() < widget->minimumSizeHint().height() - 2 ||
+            (widget->parentWidget()->layout() && !widget->parentWidget()->rect().contains(widget->geometry())))
+            return QStringLiteral("%1: \"%2\" is %3 x %4 and ends at %5 of %6")
                 .arg(panel.windowTitle(), widget->accessibleName() + widget->toolTip())
                 .arg(widget->width())
+                .arg(widget->height())
                 .arg(end)
                 .arg(panel.width());
     }
@@ -318,6 +323,11 @@ private slots:
             }
         }
         QCOMPARE(b.window->width(), 1024);
+        // what classes are called can be read
+        const auto* const classes = b.window->classesDock().findChild<QTableView*>();
+        QVERIFY(classes);
+        QVERIFY2(classes->columnWidth(ClassesModel::Name) >= 56,
+                 qPrintable(QString::number(classes->columnWidth(ClassesModel::Name))));
     }
 };
 

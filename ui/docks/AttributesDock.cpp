@@ -191,7 +191,7 @@ AttributesDock::AttributesDock(Workspace& workspace, ViewSettings& settings, QWi
     column->addWidget(m_view, 1);
     column->addWidget(m_colors);
     setWidget(content);
-    setMinimumWidth(kLeastPanelWidth);
+    setMinimumWidth(kLeastPanelWidth + 10);  // rows of fields beside their names
 }
 
 void AttributesDock::updateFiles()

@@ -24,6 +24,8 @@ namespace punctum::ui
 namespace
 {
 
+constexpr int kLeastWithCounts = 270;  // px
+
 /// The color as a rounded square; hollow for a class that is hidden.
 class SwatchDelegate final : public QStyledItemDelegate
 {
@@ -80,9 +82,9 @@ ClassesDock::ClassesDock(ViewSettings& settings, QWidget* parent)
     header->resizeSection(ClassesModel::Visible, 30);
     header->resizeSection(ClassesModel::Color, 28);
     header->setSectionResizeMode(ClassesModel::Code, QHeaderView::Fixed);
-    header->resizeSection(ClassesModel::Code, 46);
+    header->resizeSection(ClassesModel::Code, 42);
     header->setSectionResizeMode(ClassesModel::Locked, QHeaderView::Fixed);
-    header->resizeSection(ClassesModel::Locked, 44);
+    header->resizeSection(ClassesModel::Locked, 42);
     connect(m_view, &QTableView::clicked, this, [this](const QModelIndex& index) {
         if (index.column() == ClassesModel::Color) chooseColor(index);
     });
@@ -121,6 +123,13 @@ ClassesDock::ClassesDock(ViewSettings& settings, QWidget* parent)
     setWidget(content);
     connect(m_model, &QAbstractItemModel::modelReset, this, &ClassesDock::updateHint);
     updateHint();
+}
+
+void ClassesDock::resizeEvent(QResizeEvent* event)
+{
+    QDockWidget::resizeEvent(event);
+    // The names have what is left: in a narrow panel the counts are in the tips alone.
+    m_view->setColumnHidden(ClassesModel::Count, width() < kLeastWithCounts);
 }
 
 QMenu* ClassesDock::makeMenu(const QModelIndex& index)

@@ -37,6 +37,9 @@ public:
 signals:
     void selectWanted(unsigned code, punctum::SelectMode mode);
 
+protected:
+    void resizeEvent(QResizeEvent* event) override;
+
 private:
     void chooseColor(const QModelIndex& index);
     void updateHint();

@@ -32,7 +32,7 @@ namespace
 {
 
 // px; all of a row stands side by side in the narrowest panel.
-constexpr int kLeastNumber = 52, kLeastSpin = 76;
+constexpr int kLeastNumber = 40, kLeastSpin = 60;
 
 QIcon gradientIcon(const render::ColorTable& table, QSize size)
 {
@@ -71,9 +71,11 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
       m_samples(new QComboBox),
       m_tone(new ToneRow(settings))
 {
-    const QSize icon(56, 12);
+    const QSize icon(40, 12);
     m_map->setIconSize(icon);
     for (QComboBox* box : {m_map, m_sizing, m_samples}) mayBeNarrow(*box);
+    m_map->setMinimumContentsLength(0);  // the colors say it
+    m_auto->setStyleSheet(QStringLiteral("padding: 6px 8px"));
     m_map->addItem(tr("Automatic"), QString());
     for (const render::ColorMap& map : render::colorMaps())
         m_map->addItem(gradientIcon(map.table, icon), toQString(map.name), toQString(map.name));
@@ -141,11 +143,11 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
             [this] { m_settings.setSamples(m_samples->currentData().toInt()); });
 
     QHBoxLayout* const colors = m_colorsRow = new QHBoxLayout;
-    colors->setSpacing(8);
+    colors->setSpacing(6);
     colors->addWidget(m_map, 3);
     colors->addWidget(m_bands, 2);
     QHBoxLayout* const range = m_rangeRow = new QHBoxLayout;
-    range->setSpacing(6);
+    range->setSpacing(5);
     range->addWidget(m_low, 1);
     range->addWidget(dimLabel(tr("to")));
     range->addWidget(m_high, 1);
@@ -155,18 +157,17 @@ ColorPanel::ColorPanel(ViewSettings& settings, QWidget* parent)
         field->setMinimumHeight(kFieldHeight);  // as the boxes and fields beside them
 
     auto* points = new QHBoxLayout;
-    points->setSpacing(8);
+    points->setSpacing(6);
     points->addWidget(m_size, 1);
     points->addWidget(m_sizing, 1);
-    auto* shape = new FoldingRow(8, 2, 1);
+    auto* shape = new FoldingRow(6, 2, 1);
     shape->first().addWidget(m_round, 1);
     shape->first().addWidget(m_averaged, 1);
     shape->second().addWidget(m_eyeDome, 1);
 
     QFormLayout* const form = m_form = new QFormLayout(this);
-    form->setRowWrapPolicy(QFormLayout::WrapLongRows);
     form->setContentsMargins(0, 4, 0, 0);
-    form->setHorizontalSpacing(10);
+    form->setHorizontalSpacing(6);
     form->setVerticalSpacing(8);
     form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
     const auto addRow = [&](const QString& text, auto* field) {

@@ -114,7 +114,7 @@ QStatusBar QLabel { color: @dim; padding: 3px 10px; }
 
 QDockWidget > QWidget { background: @window; }
 QTabBar { qproperty-drawBase: 0; background: transparent; }
-QTabBar::tab { padding: 7px 8px; color: @dim; background: transparent; border: none; border-bottom: 2px solid transparent; }
+QTabBar::tab { padding: 7px 6px; color: @dim; background: transparent; border: none; border-bottom: 2px solid transparent; }
 QTabBar::tab:selected { color: @text; border-bottom: 2px solid @accent; }
 QTabBar::tab:hover:!selected { color: @text; }
 
