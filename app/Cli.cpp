@@ -79,7 +79,7 @@ std::string shortNumber(std::string text)
 /// What is wrong with the words, in words of ours where the parser has a shorthand of its own.
 std::string sentenceOf(const CLI::ParseError& error)
 {
-    static const std::regex range("(-\\S+): Value (.*) not in range ([-0-9.e+]+) to ([-0-9.e+]+)"),
+    static const std::regex range("(-\\S+): Value (.*) not in range \\[?([-0-9.e+]+)(?: to | - )([-0-9.e+]+)\\]?"),
         choice("(-\\S+): (.*) not in \\{(.*)\\}"), twice("(-\\S+): At Most 1 required but received \\d+");
     const std::string said = error.what();
     std::smatch part;
