@@ -38,7 +38,8 @@ QString fileNameOf(const QString& path)
 /// What its file has to say: a sentence, and lines that it leads to. Empty: nothing.
 std::pair<QString, QString> newsOf(const Document& document)
 {
-    const QStringList losses = document.losses(), warnings = warningsOf(document.source());
+    const QStringList& losses = document.losses();
+    const QStringList warnings = warningsOf(document.source());
     if (document.recovered()) {
         const QString sentence = losses.size() == 1
                                      ? Workspace::tr("%1 is damaged: %2").arg(document.name(), losses.front())

@@ -23,6 +23,13 @@ namespace
 {
 constexpr int kColumns = 96;  ///< characters that are seen at once
 constexpr int kMostLines = 32;
+
+/// The program's own, in the colors of the window.
+void giveSign(QMessageBox& box)
+{
+    box.setIconPixmap(lineIcon(QStringLiteral("warning"), themeColors().warning).pixmap(32, 32));
+}
+
 }  // namespace
 
 void showReport(QWidget* parent, const QString& title, const QString& text)
@@ -56,7 +63,7 @@ void askQuestion(QWidget* parent, const Question& question, std::function<void(b
     auto* box = new QMessageBox(QMessageBox::NoIcon, QStringLiteral("Punctum"), question.text,
                                 QMessageBox::Save | QMessageBox::Cancel, parent);
     box->setObjectName(QStringLiteral("savingQuestion"));
-    box->setIconPixmap(lineIcon(QStringLiteral("warning"), themeColors().warning).pixmap(32, 32));
+    giveSign(*box);
     box->setAttribute(Qt::WA_DeleteOnClose);
     box->setTextFormat(Qt::PlainText);
     box->setInformativeText(question.reason);
@@ -73,7 +80,7 @@ void askRecovery(QWidget* parent, const Question& question, std::function<void(R
     auto* box = new QMessageBox(QMessageBox::NoIcon, QStringLiteral("Punctum"), question.text,
                                 QMessageBox::NoButton, parent);
     box->setObjectName(QStringLiteral("recoveryQuestion"));
-    box->setIconPixmap(lineIcon(QStringLiteral("warning"), themeColors().warning).pixmap(32, 32));
+    giveSign(*box);
     box->setAttribute(Qt::WA_DeleteOnClose);
     box->setTextFormat(Qt::PlainText);
     box->setInformativeText(question.reason);
@@ -102,7 +109,7 @@ void askBeforeSaving(QWidget* parent, const QString& name, const QString& what, 
 UnsavedAnswer askAboutUnsaved(QWidget* parent, const QString& name, const QString& changes)
 {
     QMessageBox box(parent);
-    box.setIcon(QMessageBox::Question);
+    giveSign(box);
     box.setWindowTitle(QObject::tr("Unsaved changes"));
     box.setText(QObject::tr("%1 has unsaved changes.").arg(name));
     box.setTextFormat(Qt::PlainText);

@@ -3,11 +3,13 @@
 #include "UiTest.h"
 
 #include "ui/Viewport.h"
+#include "ui/docks/ClassesDock.h"
 #include "ui/docks/PropertiesDock.h"
 #include "ui/marks/Legend.h"
 #include "ui/marks/ScaleBar.h"
 
 #include <QImage>
+#include <QLabel>
 #include <QPainter>
 
 #include <set>
@@ -157,7 +159,11 @@ private slots:
         QCOMPARE(scaleBarSize(bar, {}).width(), 0.0);
         // as it is in the window
         TestWindow test;
-        QVERIFY(test.openSample(0));
+        const Document* const document = test.openSample(0);
+        QVERIFY(document && waitFor([&] { return document->classCounts().has_value(); }));
+        QStringList labels;
+        for (const QLabel* label : test.window->classesDock().findChildren<QLabel*>()) labels << label->text();
+        QVERIFY2(labels.contains(QStringLiteral("No points")), qPrintable(labels.join(QLatin1Char('|'))));
         Viewport& view = test.window->viewport();
         view.setFocus();
         for (const Qt::Key key : {Qt::Key_PageDown, Qt::Key_Left, Qt::Key_PageDown}) {

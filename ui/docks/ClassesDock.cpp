@@ -2,6 +2,7 @@
 #include "ui/docks/ClassesDock.h"
 
 #include "core/select/Selecting.h"
+#include "ui/Document.h"
 #include "ui/Text.h"
 #include "ui/ViewSettings.h"
 #include "ui/docks/ClassesModel.h"
@@ -150,7 +151,9 @@ QMenu* ClassesDock::makeMenu(const QModelIndex& index)
 
 void ClassesDock::setDocument(Document* document)
 {
-    m_hasDocument = document != nullptr;
+    if (m_document) m_document->disconnect(this);
+    m_document = document;
+    if (document) connect(document, &Document::classCountsChanged, this, &ClassesDock::updateHint);
     m_model->setDocument(document);
     updateHint();
 }
@@ -158,8 +161,11 @@ void ClassesDock::setDocument(Document* document)
 void ClassesDock::updateHint()
 {
     const int rows = m_model->rowCount();
-    m_hint->setText(rows > 0 ? (rows == 1 ? tr("1 class") : tr("%1 classes").arg(rows))
-                             : (m_hasDocument ? tr("Not counted yet") : QString()));
+    m_hint->setText(!m_document                 ? QString()
+                    : rows == 1                 ? tr("1 class")
+                    : rows > 0                  ? tr("%1 classes").arg(rows)
+                    : m_document->classCounts() ? tr("No points")
+                                                : tr("Not counted yet"));
     m_all->setEnabled(rows > 0);
     m_none->setEnabled(rows > 0);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <QDockWidget>
+#include <QPointer>
 
 class QLabel;
 class QMenu;
@@ -50,7 +51,7 @@ private:
     QLabel* m_hint = nullptr;
     QPushButton* m_all = nullptr;
     QPushButton* m_none = nullptr;
-    bool m_hasDocument = false;
+    QPointer<Document> m_document;
 };
 
 }  // namespace punctum::ui
