@@ -11,6 +11,7 @@
 #include <laszip/laszip_api.h>
 
 #include <algorithm>
+#include <exception>
 #include <istream>
 #include <ostream>
 #include <streambuf>
@@ -191,6 +192,11 @@ public:
         window(0);
     }
     std::size_t prefixBytes() const { return m_prefix.size(); }
+    /// Throws what reading the file threw: LASzip takes it for damaged data.
+    void rethrow() const
+    {
+        if (m_failure) std::rethrow_exception(m_failure);
+    }
 
 protected:
     int_type underflow() override
@@ -198,24 +204,11 @@ protected:
         if (gptr() == egptr() && !window(position())) return traits_type::eof();
         return traits_type::to_int_type(*gptr());
     }
+    /// Tells where it is; LASzip goes nowhere else in a file without a table.
     pos_type seekoff(off_type off, std::ios_base::seekdir way, std::ios_base::openmode) override
     {
-        std::int64_t to = off;
-        if (way == std::ios_base::cur) to += std::int64_t(position());
-        if (way == std::ios_base::end) to += std::int64_t(m_prefix.size() + m_size);
-        if (way == std::ios_base::cur && off == 0) return pos_type(to);
-        return seekpos(pos_type(to), std::ios_base::in);
-    }
-    pos_type seekpos(pos_type pos, std::ios_base::openmode) override
-    {
-        const std::int64_t to = off_type(pos);
-        if (to < 0 || std::uint64_t(to) > m_prefix.size() + m_size) return pos_type(off_type(-1));
-        const auto at = std::uint64_t(to);
-        if (at >= m_windowStart && at <= m_windowStart + std::uint64_t(egptr() - eback()))
-            setg(eback(), eback() + (at - m_windowStart), egptr());
-        else
-            window(at);
-        return pos;
+        const bool tell = way == std::ios_base::cur && off == 0;
+        return tell ? pos_type(std::int64_t(position())) : pos_type(off_type(-1));
     }
 
 private:
@@ -237,7 +230,12 @@ private:
             show(m_data.data() + in, m_data.size() - in);
         } else {
             m_window.resize(std::size_t(std::min<std::uint64_t>(kFileWindow, m_size - in)));
-            m_file->readAt(m_offset + in, m_window);
+            try {
+                m_file->readAt(m_offset + in, m_window);
+            } catch (...) {
+                m_failure = std::current_exception();
+                throw;
+            }
             show(m_window.data(), m_window.size());
         }
         return true;
@@ -256,6 +254,7 @@ private:
     std::uint64_t m_size = 0;
     std::uint64_t m_windowStart = 0;
     std::vector<std::byte> m_window;
+    std::exception_ptr m_failure;
 };
 
 /// A LAZ file of one run of points, up to where the compressed bytes begin: header, laszip record, and a table
@@ -498,13 +497,15 @@ struct PointDecoder::Impl {
           stream(&buffer),
           parts(info.format, info.recordLength)
     {
-        // An exception of ours (the disk failed) must come through the stream.
+        // An exception of ours (the disk failed) ends what LASzip does, which takes it for damage: see rethrow().
         stream.exceptions(std::ios_base::badbit);
     }
     std::string start()
     {
         laszip_BOOL compressed = 0;
-        if (laszip_open_reader_stream(handle.get(), stream, &compressed) != 0) return handle.error();
+        const bool opened = laszip_open_reader_stream(handle.get(), stream, &compressed) == 0;
+        buffer.rethrow();
+        if (!opened) return handle.error();
         open = true;
         point = handle.point();
         if (parts.extra >= 0 && (point->extra_bytes == nullptr || point->num_extra_bytes != int(parts.extraBytes)))
@@ -573,6 +574,7 @@ std::size_t PointDecoder::decode(std::size_t count, std::byte* records)
         m_error = "its GPS times never end";
         return 0;
     }
+    m_impl->buffer.rethrow();
     if (done < count) m_error = m_impl->handle.error();
     return done;
 }

@@ -84,9 +84,9 @@ public:
 
         const auto position = std::int64_t(offset);
         m_file.writeAt(m_begin, std::as_bytes(std::span(&position, 1)));
-        const std::vector<std::byte> table = encodeChunkTable(m_entries, m_laz.variable());
-        m_file.writeAt(offset, table);
-        m_written.end = offset + table.size();
+        m_written.table = encodeChunkTable(m_entries, m_laz.variable());
+        m_file.writeAt(offset, m_written.table);
+        m_written.end = offset + m_written.table.size();
         return std::move(m_written);
     }
 

@@ -20,6 +20,7 @@ struct WrittenChunks {
     };
     std::vector<Place> places;  ///< one for each planned chunk
     std::uint64_t end = 0;      ///< first byte after the table
+    std::vector<std::byte> table;
     std::uint64_t copied = 0;
     std::uint64_t encoded = 0;
     bool originVersions = false;  ///< the items have the versions of the plan's file, not LASzip's present ones

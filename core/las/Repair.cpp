@@ -53,13 +53,34 @@ void copyBehind(const File& from, const Header& header, AtomicFile& to, Progress
     to.sync();
 }
 
-/// Reads the new file, and throws unless it holds what the old one does.
-void prove(const std::filesystem::path& in, const std::filesystem::path& written, const std::filesystem::path& out,
-           Progress& progress)
+/// Whether `copy` is `from` with this header, to the byte.
+bool isCopyBehind(const File& from, const Header& header, const File& copy, Progress& progress)
 {
+    if (copy.size() != from.size()) return false;
+    std::vector<std::byte> ours(header.bytes.size()), theirs;
+    copy.readAt(0, ours);
+    if (ours != header.bytes) return false;
+    for (std::uint64_t at = header.bytes.size(); at < from.size(); at += ours.size()) {
+        progress.check();
+        ours.resize(std::size_t(std::min<std::uint64_t>(kBlock, from.size() - at)));
+        theirs.resize(ours.size());
+        from.readAt(at, theirs);
+        copy.readAt(at, ours);
+        if (ours != theirs) return false;
+    }
+    return true;
+}
+
+/// Reads the new file, and throws unless it holds what the old one does.
+void prove(const File& from, const Header& header, const std::filesystem::path& written,
+           const std::filesystem::path& out, Progress& progress)
+{
+    const std::filesystem::path& in = from.path();
     const auto refuse = [&](const std::string& what) {
         throw Error(out, "What was written is not right: " + what + "; nothing was kept.");
     };
+    if (!isCopyBehind(from, header, File(written), progress)) refuse("its bytes are not those that were meant");
+    // The same bytes with another header may be other points.
     const Difference d = diffFiles(in, written, {}, progress);
     if (d.onlyA != 0 || d.onlyB != 0 || d.differing != 0 || !d.attributes.empty() || d.unreadableA != d.unreadableB)
         refuse("its points differ from those of " + in.filename().string());
@@ -89,7 +110,7 @@ RepairReport repair(const std::filesystem::path& in, const std::filesystem::path
     if (!(file.stamp() == source.current->get().stamp)) throw Error(in, "The file changed while it was read.");
     AtomicFile target(out, file.size());
     copyBehind(file, examined.diagnosis.mended, target, progress);
-    prove(in, target.temporary(), out, progress);
+    prove(file, examined.diagnosis.mended, target.temporary(), out, progress);
     target.commit();
 
     report.written = true;

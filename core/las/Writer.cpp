@@ -97,6 +97,14 @@ void verify(const AtomicFile& target, const WritePlan& plan, const Written& writ
     part.resize(written.suffix.size());
     file.readAt(written.pointDataEnd, part);
     if (part != written.suffix) differs("the records after the points");
+    if (plan.compressed) {  // a reader makes a lost table again, so it is looked at by itself
+        const std::uint64_t tableAt = written.pointDataEnd - written.chunks.table.size();
+        std::uint64_t position = 0;
+        file.readAt(plan.prefix.size(), std::as_writable_bytes(std::span(&position, 1)));
+        part.resize(written.chunks.table.size());
+        file.readAt(tableAt, part);
+        if (position != tableAt || part != written.chunks.table) differs("the table of chunks");
+    }
     if (parsed.chunks.size() != written.chunks.places.size()) differs("the number of chunks");
     for (std::size_t k = 0; k < parsed.chunks.size(); ++k)
         if (parsed.chunks[k].offset != written.chunks.places[k].offset ||

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "core/Error.h"
+#include "core/edit/CloudKey.h"
+#include "core/edit/Journal.h"
+#include "core/las/AtomicFile.h"
 #include "core/las/Reader.h"
+#include "core/las/Repair.h"
 #include "core/las/Writer.h"
 #include "core/task/Progress.h"
-#include "tests/core/LasFiles.h"
+#include "tests/core/BadInputs.h"
 
 #include <QCoreApplication>
 #include <QProcess>
@@ -15,6 +19,7 @@
 #include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -32,7 +37,7 @@ namespace fs = std::filesystem;
 namespace faults
 {
 
-enum class Kind { Error, Short, KillBefore, KillInside };
+enum class Kind { Error, Short, Nothing, Wrong, KillBefore, KillInside };
 
 struct Step {
     std::string call;     ///< "pwrite"
@@ -42,8 +47,10 @@ struct Step {
 std::atomic<bool> nowArmed{false};
 std::mutex guard;
 std::string watchedFolder;    ///< calls elsewhere are not counted
+bool watchesReads = false;    ///< pread alone is counted; else all but it
 std::vector<Step> stepsSeen;  ///< so far
 std::size_t failingStep = 0;  ///< number of the step that fails, from 1; 0: none
+std::string failingCall;      ///< all of these fail
 Kind faultKind = Kind::Error;
 int faultErrno = 0;
 
@@ -62,9 +69,9 @@ bool fails(const char* call, const std::string& path)
     bool now = false;
     {
         const std::lock_guard lock(guard);
-        if (path.starts_with(watchedFolder)) {
+        if (path.starts_with(watchedFolder) && watchesReads == (std::strcmp(call, "pread") == 0)) {
             stepsSeen.push_back({call, path.size() <= watchedFolder.size() + 1});
-            now = stepsSeen.size() == failingStep;
+            now = stepsSeen.size() == failingStep || call == failingCall;
         }
     }
     if (now && faultKind == Kind::KillBefore) ::kill(::getpid(), SIGKILL);
@@ -90,20 +97,36 @@ ssize_t write(const char* name, int descriptor, const void* bytes, std::size_t s
     static const auto real = next<Write>("pwrite");
     if (!fails(name, pathOf(descriptor))) return real(descriptor, bytes, size, offset);
     if (faultKind == Kind::Error) return error();
+    if (faultKind == Kind::Nothing) return 0;
+    if (faultKind == Kind::Wrong) {  // what a bad disk or memory does
+        std::vector<char> wrong(static_cast<const char*>(bytes), static_cast<const char*>(bytes) + size);
+        if (!wrong.empty()) wrong[wrong.size() / 2] ^= 1;
+        return real(descriptor, wrong.data(), size, offset);
+    }
     const ssize_t written = real(descriptor, bytes, (size + 1) / 2, offset);
     if (faultKind == Kind::KillInside) ::kill(::getpid(), SIGKILL);
     return written;
+}
+
+ssize_t read(int descriptor, void* bytes, std::size_t size, off_t offset)
+{
+    static const auto real = next<ssize_t (*)(int, void*, std::size_t, off_t)>("pread");
+    if (!nowArmed || !watchesReads || !fails("pread", pathOf(descriptor)))
+        return real(descriptor, bytes, size, offset);
+    return faultKind == Kind::Error ? error() : real(descriptor, bytes, (size + 1) / 2, offset);
 }
 
 /// From here on the calls are counted; the `step`-th of them fails.
 class Armed
 {
 public:
-    Armed(const fs::path& folder, std::size_t step, Kind kind, int error)
+    Armed(const fs::path& folder, std::size_t step, Kind kind, int error, bool reads = false)
     {
         watchedFolder = folder;
+        watchesReads = reads;
         stepsSeen.clear();
         failingStep = step;
+        failingCall.clear();
         faultKind = kind;
         faultErrno = error;
         nowArmed = true;
@@ -123,6 +146,14 @@ ssize_t pwrite(int descriptor, const void* bytes, std::size_t size, off_t offset
 ssize_t pwrite64(int descriptor, const void* bytes, std::size_t size, off_t offset)
 {
     return faults::write("pwrite", descriptor, bytes, size, offset);
+}
+ssize_t pread(int descriptor, void* bytes, std::size_t size, off_t offset)
+{
+    return faults::read(descriptor, bytes, size, offset);
+}
+ssize_t pread64(int descriptor, void* bytes, std::size_t size, off_t offset)
+{
+    return faults::read(descriptor, bytes, size, offset);
 }
 ssize_t write(int descriptor, const void* bytes, std::size_t size)
 {
@@ -155,6 +186,12 @@ int fchown(int descriptor, uid_t owner, gid_t group) noexcept
     static const auto real = faults::next<int (*)(int, uid_t, gid_t)>("fchown");
     return faults::fails("fchown", faults::pathOf(descriptor)) ? faults::error() : real(descriptor, owner, group);
 }
+int fsetxattr(int descriptor, const char* name, const void* value, std::size_t size, int flags) noexcept
+{
+    static const auto real = faults::next<int (*)(int, const char*, const void*, std::size_t, int)>("fsetxattr");
+    return faults::fails("fsetxattr", faults::pathOf(descriptor)) ? faults::error()
+                                                                  : real(descriptor, name, value, size, flags);
+}
 int rename(const char* from, const char* to) noexcept
 {
     static const auto real = faults::next<int (*)(const char*, const char*)>("rename");
@@ -185,9 +222,21 @@ private slots:
     void fileSizeLimit_data();
     void fileSizeLimit();
     void fullFileSystem();
+    void wrongBytesAreFound_data() { kinds(); }
+    void wrongBytesAreFound();
+    void accessThatCannotBeKept();
+    void otherCallsThatFail();
+    void readsFail_data();
+    void readsFail();
 
 private:
     fs::path folder() const { return fs::canonical(m_dir.path().toStdString()); }
+    static void kinds()
+    {
+        QTest::addColumn<bool>("compressed");
+        QTest::newRow("LAS") << false;
+        QTest::newRow("LAZ") << true;
+    }
     std::vector<std::string> names() const
     {
         std::vector<std::string> all;
@@ -227,6 +276,19 @@ Bytes original(bool compressed)
     return lasfiles::file(head, {lasfiles::record("early", 1, Bytes(20))}, points, evlr);
 }
 
+/// The oldest LAZ: one stream, which says that its items are of version 1, so that LASzip reads it from the file.
+Bytes oldStream()
+{
+    constexpr std::size_t kItemVersion = 38, kItemBytes = 6, kItems = 2;
+    Bytes b = lasfiles::lazFile(2, 26, lasfiles::randomRecords(2, 26, kCompressedPoints, 5, true), 50000);
+    const std::size_t begin = lasfiles::bad::pointOffset(b);
+    b.resize(lasfiles::bad::tableAt(b));
+    b.erase(b.begin() + std::ptrdiff_t(begin), b.begin() + std::ptrdiff_t(begin) + 8);
+    for (std::size_t k = 0; k < kItems; ++k)
+        b = lasfiles::bad::withLaszip<std::uint16_t>(b, kItemVersion + kItemBytes * k, 1);
+    return lasfiles::bad::withLaszip<std::uint16_t>(b, 0, 1);
+}
+
 std::shared_ptr<PointCloud> loadAndEdit(const fs::path& path)
 {
     Progress progress;
@@ -248,13 +310,6 @@ bool mentions(const std::vector<std::string>& sentences, const std::string& part
 {
     return std::any_of(sentences.begin(), sentences.end(),
                        [&](const std::string& s) { return s.find(part) != std::string::npos; });
-}
-
-void kinds()
-{
-    QTest::addColumn<bool>("compressed");
-    QTest::newRow("LAS") << false;
-    QTest::newRow("LAZ") << true;
 }
 
 /// What this program does when it runs itself: saves a file and is killed at a step of it.
@@ -299,11 +354,12 @@ void LasFaultTest::everyStepFails()
     const std::tuple<faults::Kind, int, const char*> ways[] = {{faults::Kind::Error, ENOSPC, "disk is full"},
                                                                {faults::Kind::Error, EIO, "error"},
                                                                {faults::Kind::Error, EINTR, ""},
-                                                               {faults::Kind::Short, 0, ""}};
+                                                               {faults::Kind::Short, 0, ""},
+                                                               {faults::Kind::Nothing, 0, "disk is full"}};
     for (std::size_t k = 1; k <= steps.size(); ++k) {
         const faults::Step& step = steps[k - 1];
         for (const auto& [kind, error, said] : ways) {
-            if (kind == faults::Kind::Short && step.call != "pwrite") continue;
+            if (kind != faults::Kind::Error && step.call != "pwrite") continue;
             lasfiles::writeFile(path, before);
             const auto cloud = loadAndEdit(path);
             const auto beside = names();
@@ -318,7 +374,7 @@ void LasFaultTest::everyStepFails()
                                       (step.folder ? " of the folder" : "") + ", errno " + std::to_string(error) +
                                       ": " + sentence;
             // Interrupted and short writes go on, and a folder that cannot be synced has the file all the same.
-            const bool must = !step.folder && kind == faults::Kind::Error && error != EINTR &&
+            const bool must = !step.folder && kind != faults::Kind::Short && error != EINTR &&
                               (step.call == "pwrite" || step.call == "fsync" || step.call == "rename" ||
                                step.call == "ftruncate" || step.call == "fchmod");
             const bool mustNot = step.call == "pwrite" && !must;
@@ -494,6 +550,154 @@ void LasFaultTest::fullFileSystem()
         fs::remove(target);
         QVERIFY(fs::is_empty(disk));
     }
+}
+
+void LasFaultTest::wrongBytesAreFound()
+{
+    QFETCH(bool, compressed);
+    const std::string ending = compressed ? ".laz" : ".las";
+    const fs::path path = folder() / ("w" + ending), repaired = folder() / ("repaired" + ending);
+    Bytes before = original(compressed);
+    lasfiles::set<std::uint32_t>(before, 107, 77);  // a fault to repair: formats 6 to 10 have no legacy count
+    const auto saves = [&] { save(*loadAndEdit(path), path); };
+    const auto repairs = [&] {
+        Progress progress;
+        las::repair(path, repaired, progress);
+    };
+    for (const std::function<void()>& work : {std::function<void()>(saves), std::function<void()>(repairs)}) {
+        lasfiles::writeFile(path, before);
+        std::size_t steps = 0;
+        {
+            const faults::Armed armed(folder(), 0, faults::Kind::Error, 0);
+            work();
+            steps = faults::stepsSeen.size();
+        }
+        fs::remove(repaired);
+        std::size_t found = 0;
+        for (std::size_t k = 1; k <= steps; ++k) {
+            lasfiles::writeFile(path, before);
+            const auto beside = names();
+            std::string call, said;
+            try {
+                const faults::Armed armed(folder(), k, faults::Kind::Wrong, 0);
+                work();
+            } catch (const Error& e) {
+                said = e.what();
+            }
+            call = faults::stepsSeen.at(k - 1).call;
+            if (call != "pwrite") {
+                fs::remove(repaired);
+                continue;
+            }
+            const std::string where = "step " + std::to_string(k) + ": " + said;
+            QVERIFY2(!said.empty() && said.find('\n') == std::string::npos, where.c_str());
+            QVERIFY2(lasfiles::readFile(path) == before && names() == beside, where.c_str());
+            ++found;
+        }
+        QVERIFY(found >= 2);
+    }
+}
+
+void LasFaultTest::accessThatCannotBeKept()
+{
+    const fs::path path = folder() / "access.las";
+    lasfiles::writeFile(path, original(false));
+    const bool attributes = ::setxattr(path.c_str(), "user.origin", "x", 1, 0) == 0;
+    QCOMPARE(::chmod(path.c_str(), 0664), 0);
+    const auto saved = [&](const char* call) {
+        const auto cloud = loadAndEdit(path);
+        const faults::Armed armed(folder(), 0, faults::Kind::Error, EPERM);
+        faults::failingCall = call;
+        return save(*cloud, path).notes;
+    };
+    const auto mode = [&] { return unsigned(fs::status(path).permissions()); };
+    if (attributes) QVERIFY(mentions(saved("fsetxattr"), "could not be kept: user.origin."));
+    QCOMPARE(mode(), 0664u);
+    const auto notes = saved("fchown");
+    QVERIFY(mentions(notes, "now belongs to you") && mentions(notes, "its group has none now"));
+    QCOMPARE(mode(), 0604u);
+}
+
+void LasFaultTest::otherCallsThatFail()
+{
+    const fs::path path = folder() / "a.journal";
+    const auto told = [&](const char* call, int error, const std::function<void()>& work) -> std::string {
+        const faults::Armed armed(folder(), 0, faults::Kind::Error, error);
+        faults::failingCall = call;
+        try {
+            work();
+        } catch (const Error& e) {
+            return e.what();
+        }
+        return {};
+    };
+    const auto begin = [&] { Journal::create(path, {1, 1}, "a"); };
+    const auto goOn = [&] { Journal::resume(path); };
+    QVERIFY(told("fsync", EIO, begin).find("the journal cannot be written") != std::string::npos);
+    QVERIFY(told("fsync", EINVAL, begin).empty());  // nothing to be synced there
+    QVERIFY(told("ftruncate", EIO, goOn).find("the journal cannot be written") != std::string::npos);
+    las::AtomicFile file(folder() / "a.las", 0);
+    QVERIFY(told("ftruncate", ENOSPC, [&] { file.resize(0); }).find("disk is full") != std::string::npos);
+    const faults::Armed armed(folder(), 1, faults::Kind::Error, EINTR);
+    file.resize(10);
+    QCOMPARE(fs::file_size(file.temporary()), std::uintmax_t(10));
+    QCOMPARE(faults::stepsSeen.size(), std::size_t(2));
+}
+
+void LasFaultTest::readsFail_data()
+{
+    QTest::addColumn<QString>("kind");
+    for (const char* kind : {"LAS", "LAZ", "one stream"}) QTest::newRow(kind) << kind;
+}
+
+void LasFaultTest::readsFail()
+{
+    // A disk that cannot be read is no damage of the file: whatever is read when, the sentence says what it is.
+    QFETCH(QString, kind);
+    const bool saves = kind != "one stream";
+    const std::string ending = kind == "LAS" ? ".las" : ".laz";
+    const fs::path path = folder() / ("r" + ending), copy = folder() / ("copy" + ending);
+    lasfiles::writeFile(path, saves ? original(kind == "LAZ") : oldStream());
+    const auto work = [&] {
+        const auto cloud = loadAndEdit(path);
+        if (saves) save(*cloud, copy);
+    };
+    std::size_t steps = 0;
+    {
+        const faults::Armed armed(folder(), 0, faults::Kind::Error, 0, true);
+        work();
+        steps = faults::stepsSeen.size();
+    }
+    const Bytes whole = saves ? lasfiles::readFile(copy) : Bytes();
+    fs::remove(copy);
+    const auto beside = names();
+    QVERIFY(steps > 5);
+    std::size_t refused = 0;
+    const std::tuple<faults::Kind, int> ways[] = {
+        {faults::Kind::Error, EIO}, {faults::Kind::Error, EINTR}, {faults::Kind::Short, 0}};
+    for (std::size_t k = 1; k <= steps; ++k)
+        for (const auto& [fault, error] : ways) {
+            std::string said;
+            try {
+                const faults::Armed armed(folder(), k, fault, error, true);
+                work();
+            } catch (const Error& e) {
+                said = e.what();
+            }
+            const std::string where =
+                "read " + std::to_string(k) + ", errno " + std::to_string(error) + ": " + said;
+            if (said.empty()) {  // chunks of the file that cannot be copied are compressed anew
+                QVERIFY2(error != EIO || kind == "LAZ", where.c_str());
+                QVERIFY2(!saves || lasfiles::readFile(copy) == whole, where.c_str());
+                fs::remove(copy);
+            } else {
+                QVERIFY2(error == EIO, where.c_str());
+                QVERIFY2(said.find("cannot be read: Input/output error") != std::string::npos, where.c_str());
+                ++refused;
+            }
+            QVERIFY2(names() == beside, where.c_str());
+        }
+    QVERIFY(refused > steps / 2);
 }
 
 int main(int argc, char** argv)
