@@ -78,8 +78,14 @@ private:
     {
         Chunk c{m_begin, m_end - m_begin, 0, stated()};
         if (!plausible(c.count, c.bytes)) {
-            c.count = m_probe.decodable(c, stated());
-            c.cut = true;
+            // The count is wrong: it is that of a whole stream, or the stream is cut, or ends in zeros.
+            if (const std::uint64_t all = m_probe.pointsUntilEnd(c); all != 0) {
+                c.count = all;
+            } else {
+                c = m_probe.withoutZeros(c);
+                if (!c.cut) c.count = m_probe.decodable(c, stated());
+                c.cut = true;
+            }
         } else if (c.count != 0) {
             c = m_probe.withoutZeros(c);
         }

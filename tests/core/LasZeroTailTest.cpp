@@ -308,11 +308,14 @@ void LasZeroTailTest::stream()
     // One stream (compressor 1) has neither chunks nor a table.
     const Bytes points = survey(3, kPoints);
     const auto length = lasfiles::recordLength(3);
-    const Bytes chunked = lasfiles::lazFile(3, length, points, 50000);
-    const std::size_t begin = lasfiles::bad::pointOffset(chunked), end = lasfiles::bad::tableAt(chunked);
-    Bytes good = lasfiles::bad::withLaszip<std::uint16_t>(chunked, 0, 1);
-    good.resize(end);
-    good.erase(good.begin() + std::ptrdiff_t(begin), good.begin() + std::ptrdiff_t(begin) + 8);
+    const auto asStream = [](const Bytes& chunked) {
+        const std::size_t begin = lasfiles::bad::pointOffset(chunked), end = lasfiles::bad::tableAt(chunked);
+        Bytes stream = lasfiles::bad::withLaszip<std::uint16_t>(chunked, 0, 1);
+        stream.resize(end);
+        stream.erase(stream.begin() + std::ptrdiff_t(begin), stream.begin() + std::ptrdiff_t(begin) + 8);
+        return stream;
+    };
+    const Bytes good = asStream(lasfiles::lazFile(3, length, points, 50000));
     QCOMPARE(check(make(good), points, length), std::uint64_t(kPoints));
     for (const int percent : {3, 10, 50}) {
         const std::uint64_t sound = check(make(zeroed(good, percent)), points, length);
@@ -320,6 +323,33 @@ void LasZeroTailTest::stream()
         QVERIFY2(sound + 60 >= expected && sound <= expected + 150,
                  qPrintable(QString("%1 of %2").arg(sound).arg(expected)));
     }
+    // a count that no stream of these bytes can hold: the data decides
+    Bytes many = good;
+    lasfiles::set(many, 107, 0x7FFFFFFFu);
+    const Given given(make(many));
+    QVERIFY2(given.records == points && given.recovered, given.said().c_str());
+    many = zeroed(many, 10);
+    lasfiles::set(many, 107, 0x7FFFFFFFu);
+    const Given cut(make(many));
+    QVERIFY2(cut.sound > kPoints / 2 && cut.sound <= kPoints && cut.recovered, cut.said().c_str());
+    many.resize(many.size() / 2);
+    QVERIFY(Given(make(many)).sound <= kPoints / 2 + 10);
+    // saved, it becomes chunks
+    Progress progress;
+    las::WriteOptions options;
+    options.compressed = true;
+    const fs::path path = make(good), copy = path.parent_path() / "chunks.laz";
+    const auto report = las::write(*lasfiles::load(path), copy, options, progress);
+    QVERIFY(std::any_of(report.notes.begin(), report.notes.end(), [](const std::string& n) {
+        return n.find("in one stream, are compressed in chunks") != std::string::npos;
+    }));
+    QVERIFY(Given(copy).records == points);
+    // equal points at the end are zeros, and no damage
+    Bytes alike = survey(3, kPoints);
+    const Bytes last(alike.end() - length, alike.end());
+    for (std::size_t i = 0; i < 30 * kPoints; ++i) lasfiles::append(alike, last);
+    const Given goesOn(make(asStream(lasfiles::lazFile(3, length, alike, 1'000'000))));
+    QVERIFY2(goesOn.records == alike && !goesOn.recovered, goesOn.said().c_str());
 }
 
 void LasZeroTailTest::plainIsWarnedOf()
