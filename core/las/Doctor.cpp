@@ -192,6 +192,7 @@ private:
             mended().set(at::kVlrCount, std::uint32_t(vlrs));
         }
         if (m_h.extendedCounts()) extendedRecords();
+        waveformPosition();
         duplicates();
     }
 
@@ -216,15 +217,21 @@ private:
                            "The header's position becomes " + std::to_string(at) + ".");
             mended().set(at::kEvlrStart, at);
         }
-        if (m_s.waveformEvlr) {
-            std::uint64_t wave = at;
-            for (std::size_t k = 0; k < *m_s.waveformEvlr; ++k) wave += m_s.evlrs[k].bytesInFile();
-            if (m_h.get(at::kWaveformStart) != wave) {
-                findRepairable("The header's position of the waveforms is not where they are.",
-                               "It becomes " + std::to_string(wave) + ".");
-                mended().set(at::kWaveformStart, wave);
-            }
-        }
+    }
+
+    static bool isWaveforms(const Vlr& vlr) { return vlr.recordId == 65535 && vlr.user() == "LASF_Spec"; }
+
+    /// The header names the place of one record by itself, since LAS 1.3.
+    void waveformPosition()
+    {
+        const auto found = std::find_if(m_s.evlrs.begin(), m_s.evlrs.end(), isWaveforms);
+        if (found == m_s.evlrs.end() || m_h.says(encoding::kExternalWaveform)) return;
+        std::uint64_t at = m_s.pointDataEnd + m_s.gapAfterPoints.size();
+        for (auto vlr = m_s.evlrs.begin(); vlr != found; ++vlr) at += vlr->bytesInFile();
+        if (m_h.get(at::kWaveformStart) == at) return;
+        findRepairable("The header's position of the waveforms is not where they are.",
+                       "It becomes " + std::to_string(at) + ".");
+        mended().set(at::kWaveformStart, at);
     }
 
     void duplicates()
@@ -281,9 +288,7 @@ private:
     void waveforms()
     {
         const bool inside = m_h.says(encoding::kInternalWaveform), beside = m_h.says(encoding::kExternalWaveform);
-        const bool record = std::any_of(m_s.evlrs.begin(), m_s.evlrs.end(), [](const Vlr& vlr) {
-            return vlr.recordId == 65535 && vlr.user() == "LASF_Spec";
-        });
+        const bool record = std::any_of(m_s.evlrs.begin(), m_s.evlrs.end(), isWaveforms);
         if (inside && beside)
             find("The header says that the waveforms are in this file and in one beside it.",
                  "One of both bits has to be cleared.");

@@ -7,6 +7,7 @@
 #include "core/las/HeaderWords.h"
 #include "core/las/Reader.h"
 #include "core/las/Repair.h"
+#include "core/las/Writer.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
 #include "tests/core/LoadAndSave.h"
@@ -35,10 +36,10 @@ const char* const kWkt =
     "PARAMETER[\"scale_factor\",0.9996],PARAMETER[\"false_easting\",500000],PARAMETER[\"false_northing\",0],"
     "UNIT[\"metre\",1]]";
 
-/// GeoTIFF keys that name EPSG:32632.
-Bytes keysRecord()
+/// GeoTIFF keys that name a system, EPSG:32632.
+Bytes keysRecord(std::uint16_t model = 1, std::uint16_t key = 3072, std::uint16_t code = 32632)
 {
-    const std::uint16_t words[] = {1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, 32632};
+    const std::uint16_t words[] = {1, 1, 0, 2, 1024, 0, 1, model, key, 0, 1, code};
     Bytes data(sizeof words);
     std::memcpy(data.data(), words, sizeof words);
     return lasfiles::record("LASF_Projection", 34735, data);
@@ -82,6 +83,16 @@ void makeSound(Bytes& head, std::uint8_t format, std::size_t count = kPoints)
     std::uint16_t encoding = 1;
     if (format >= 6) encoding |= 16;
     lasfiles::set(head, 6, encoding);
+}
+
+/// The records, each as long as the header says.
+Bytes withExtra(const Bytes& records, std::uint8_t format, const Bytes& head)
+{
+    const std::size_t from = lasfiles::recordLength(format), to = lasfiles::get<std::uint16_t>(head, 105);
+    Bytes longer(records.size() / from * to);
+    for (std::size_t i = 0; i * from < records.size(); ++i)
+        std::copy_n(records.begin() + std::ptrdiff_t(i * from), from, longer.begin() + std::ptrdiff_t(i * to));
+    return longer;
 }
 
 /// A sound file: GeoTIFF keys (formats 0 to 5) or WKT; of LAS 1.4 with an extended record.
@@ -141,6 +152,8 @@ private slots:
     void soundFilesHaveNoFaults();
     void faults_data();
     void faults();
+    void whatWasSavedIsLookedAt();
+    void damagedChunksAreTold();
     void repairIsCancelledWhole();
     void repairKeepsTheOriginal();
     void realFiles_data();
@@ -281,14 +294,31 @@ void DoctorTest::words()
     QVERIFY(las::gpsDay(0.0) == "2011-09-14");
     QVERIFY(las::gpsDay(-1e9) == "1980-01-06");
     QVERIFY(las::gpsDay(std::nan("")).empty() && las::gpsDay(1e300).empty());
-    header.set(las::at::kGlobalEncoding, 0x8017);
+    header.set(las::at::kGlobalEncoding, 0x801F);
     std::string all;
     for (const std::string& word : las::encodingWords(header)) all += word + ";";
     QVERIFY2(all.find("GPS seconds - 1,000,000,000") != std::string::npos && all.find("WKT") != std::string::npos &&
+                 all.find("return numbers are synthetic") != std::string::npos &&
                  all.find("0x8000") != std::string::npos,
              all.c_str());
     QVERIFY(las::recordWords(las::makeVlr("LASF_Projection", 34735, "", {})) == "GeoTIFF keys");
     QVERIFY(las::recordWords(las::makeVlr("me", 1, "tab\there", {})) == "tab?here");
+    QVERIFY(las::recordWords(las::makeVlr("LASF_Spec", 101, "", {})) == "Description of wave packets");
+    CoordinateUnits units;
+    units.kind = CoordinateUnits::Kind::Geocentric;
+    units.horizontal = "m";
+    QVERIFY(las::unitsText(units) == "m, from the middle of the earth");
+    header.setText(las::at::kSystemId, "scanner  ");
+    QVERIFY(las::headerText(header, las::at::kSystemId) == "scanner");
+    QVERIFY(las::gpsDay(header, 0.0) == "2011-09-14");
+    header.set(las::at::kGlobalEncoding, 0);
+    QVERIFY(las::encodingWords(header)[0] == "GPS times are seconds of the week");
+    QVERIFY(las::gpsDay(header, 0.0).empty());
+    header.bytes.resize(las::standardHeaderSize(5));
+    header.set(las::at::kVersionMinor, 5);
+    header.set(las::at::kGlobalEncoding, las::encoding::kAdjustedGpsTime | las::encoding::kTimeOffset);
+    header.set(las::at::kTimeOffset, 1400);
+    QVERIFY(las::gpsDay(header, 0.0) == "2024-05-17");
 }
 
 void DoctorTest::soundFilesHaveNoFaults_data()
@@ -395,6 +425,89 @@ void DoctorTest::faults_data()
                 {}, soundRecords(1));
         },
         "does not say its coordinate system", false);
+    // sound files of other kinds, with one fault each
+    const auto instead = [](Bytes head, const std::vector<Bytes>& vlrs, const Bytes& evlr = {}) {
+        return Damage([=](Bytes& b) mutable {
+            const auto format = std::to_integer<std::uint8_t>(head[104]);
+            const std::uint16_t encoding = lasfiles::get<std::uint16_t>(head, 6);
+            makeSound(head, format);
+            lasfiles::set(head, 6, encoding);
+            b = lasfiles::file(head, vlrs, withExtra(soundRecords(format), format, head));
+            if (evlr.empty()) return;
+            if (head.size() >= 375) {
+                lasfiles::set(b, 235, std::uint64_t(b.size()));
+                lasfiles::set(b, 243, std::uint32_t(1));
+            }
+            lasfiles::append(b, evlr);
+        });
+    };
+    const auto headOf = [](std::uint8_t minor, std::uint8_t format, std::uint16_t encoding,
+                           std::uint16_t extra = 0) {
+        Bytes head =
+            lasfiles::header(minor, format, std::uint16_t(lasfiles::recordLength(format) + extra), kPoints);
+        lasfiles::set(head, 6, encoding);
+        return head;
+    };
+    const Bytes waveforms = lasfiles::record("LASF_Spec", 65535, Bytes(50), true);
+    row(
+        "EVLRs cut off", 6, [](Bytes& b) { b.resize(b.size() - 66); },
+        "announces 1 extended records (EVLRs), and 0 are found.", false);
+    row("two of a kind", 1, instead(headOf(2, 1, 1), {keysRecord(), keysRecord()}),
+        "more than one record LASF_Projection/34735", false);
+    row("keys for format 6", 6, instead(headOf(4, 6, 1), {keysRecord()}),
+        "asks for a coordinate system in WKT, and the file has GeoTIFF keys alone", false);
+    row("keys for WKT", 6, instead(headOf(4, 6, 17), {keysRecord()}),
+        "given in WKT, and the file has GeoTIFF keys alone", false);
+    row("WKT without a word", 1, instead(headOf(4, 1, 1), {lasfiles::wktRecord(kWkt)}),
+        "in WKT, but the header does not say so", true);
+    row("waveforms inside and beside", 1, put(6, std::uint16_t(7)), "in this file and in one beside it", false);
+    row("waveforms without their bit", 9, instead(headOf(4, 9, 17), {lasfiles::wktRecord(kWkt)}, waveforms),
+        "The waveforms are in this file, but the header does not say so.", true);
+    row("waveforms elsewhere", 9, instead(headOf(4, 9, 19), {lasfiles::wktRecord(kWkt)}, waveforms),
+        "position of the waveforms is not where they are", true);
+    row(
+        "waveforms of 1.3 elsewhere", 4,
+        [=](Bytes& b) {
+            instead(headOf(3, 4, 3), {keysRecord()}, waveforms)(b);
+            lasfiles::set(b, 227, std::uint64_t(b.size() - 10));
+        },
+        "position of the waveforms is not where they are", true);
+    row(
+        "times of one week", 1,
+        [](Bytes& b) {
+            for (std::size_t i = 0; i < kPoints; ++i)
+                lasfiles::set(b, lasfiles::get<std::uint32_t>(b, 96) + 28 * i + 20, 1000.0 + double(i));
+        },
+        "all of them lie in the week from 2011-09-14 on (1000 to 1299)", false);
+    Bytes shortHead = headOf(4, 1, 1);
+    shortHead.resize(227);
+    lasfiles::set(shortHead, 94, std::uint16_t(227));
+    row("short header", 1, instead(shortHead, {keysRecord()}), "should have 375 bytes, but has 227", false);
+    row("coarse degrees", 1, instead(headOf(2, 1, 1), {keysRecord(2, 2048, 4326)}),
+        "A step of X is 0.01 degrees, some 1113 m.", false);
+    row(
+        "no points", 1,
+        [](Bytes& b) {
+            b.resize(lasfiles::get<std::uint32_t>(b, 96));
+            lasfiles::set(b, 107, 0u);
+        },
+        "The file has no points.", false);
+    row("no returns", 1, point(14, std::uint8_t(1)), "1 point has 0 returns of their pulse", false);
+    const auto described = [](std::initializer_list<std::pair<unsigned, const char*>> fields) {
+        Bytes data;
+        for (const auto& [type, name] : fields) {
+            Bytes descriptor(192);
+            descriptor[2] = std::byte(type);
+            std::memcpy(descriptor.data() + 4, name, std::strlen(name));
+            lasfiles::append(data, descriptor);
+        }
+        return lasfiles::record("LASF_Spec", 4, data);
+    };
+    const auto extra = [&](const Bytes& record) { return instead(headOf(2, 1, 1, 2), {keysRecord(), record}); };
+    row("reserved type", 1, extra(described({{99, "odd"}})), "has the reserved type 99", false);
+    row("without a name", 1, extra(described({{3, ""}})), "a description without a name", false);
+    row("one name twice", 1, extra(described({{1, "a"}, {1, "a"}})), "have the name \"a\"", false);
+    row("not described", 1, extra(described({{1, "a"}})), "1 bytes of each point are not described", false);
     row(
         "cut", 3, [](Bytes& b) { b.resize(b.size() - 34 * 10 - 7); },
         "The header says 300 points, the file holds 289.", true);
@@ -430,14 +543,52 @@ void DoctorTest::faults()
                        damaged.begin() + std::ptrdiff_t(header), damaged.end()));
     const auto again = examined(out).diagnosis.findings;
     QVERIFY2(told(again, true).empty(), told(again).c_str());
-    const bool cut = damaged.size() < whole.size();
-    if (!cut && told(report.left).empty()) QVERIFY(mended == whole);
+    if (damaged.size() == whole.size() && told(report.left).empty()) QVERIFY(mended == whole);
     // LASzip's own API reads it to its end
     const auto points = std::size_t(report.points);
     const Bytes records =
         lasfiles::recordsByLaszip(out, std::uint8_t(format), lasfiles::recordLength(std::uint8_t(format)), points);
     const std::size_t at = lasfiles::get<std::uint32_t>(damaged, 96);
     QVERIFY(std::equal(records.begin(), records.end(), damaged.begin() + std::ptrdiff_t(at)));
+}
+
+void DoctorTest::whatWasSavedIsLookedAt()
+{
+    // the faults of the file that was opened are none of the one that was saved, with points left out
+    Bytes damaged = sound(1);
+    lasfiles::set(damaged, 107, 0u);
+    lasfiles::writeFile(path("a.las"), damaged);
+    Progress progress;
+    const auto cloud = las::load(path("a.las"), progress);
+    QVERIFY(!told(las::examine(*cloud, progress).diagnosis.findings).empty());
+    auto deleted = std::make_shared<PointSet>(kPoints);
+    deleted->insert(PointRange{0, 20});
+    cloud->setDeleted(deleted);
+    las::write(*cloud, path("b.las"), {}, progress);
+    const las::Examination saved = las::examine(*cloud, progress);
+    QCOMPARE(saved.figures.points, std::uint64_t(kPoints - 20));
+    QVERIFY2(told(saved.diagnosis.findings).empty(), told(saved.diagnosis.findings).c_str());
+    lasfiles::writeFile(path("b.las"), damaged);
+    QVERIFY_EXCEPTION_THROWN(las::examine(*cloud, progress), Error);
+}
+
+void DoctorTest::damagedChunksAreTold()
+{
+    Bytes damaged = soundLaz(7);
+    const std::size_t begin = lasfiles::get<std::uint32_t>(damaged, 96) + 8;
+    std::fill_n(damaged.begin() + std::ptrdiff_t(begin) + 36, 40, std::byte(0xFF));
+    lasfiles::set(damaged, 90, std::uint16_t(400));  // a day that is none: nothing to repair
+    lasfiles::writeFile(path("a.laz"), damaged);
+    Progress progress;
+    const auto cloud = las::load(path("a.laz"), progress);
+    const las::Diagnosis diagnosis = las::examine(*cloud, progress).diagnosis;
+    const std::string all = told(diagnosis.findings);
+    QVERIFY2(all.find("100 points cannot be read, since their chunks are damaged.") != std::string::npos,
+             all.c_str());
+    QVERIFY2(!diagnosis.repairable(), all.c_str());
+    lasfiles::set(damaged, 100, 100u);  // records that are not there
+    lasfiles::writeFile(path("a.laz"), damaged);
+    QVERIFY(examined(path("a.laz")).diagnosis.repairable());
 }
 
 void DoctorTest::repairIsCancelledWhole()
