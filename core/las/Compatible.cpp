@@ -351,6 +351,7 @@ std::shared_ptr<PointCloud> nativeCloud(const PointCloud& cloud, std::optional<s
             derived = named(old.layout.fields[std::size_t(c.nir)].column);
         if (derived == nullptr) {
             auto column = named(f.column);
+            if (column == nullptr && f.offset >= standardRecordLength(c.format)) continue;  // it was removed
             if (column == nullptr) throw Error("The cloud lacks " + f.column + " and cannot be converted.");
             native->addColumn(std::move(column));
             continue;

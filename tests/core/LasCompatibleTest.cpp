@@ -30,6 +30,7 @@ private slots:
     void editsGoIntoTheExtraBytes();
     void becomesNative_data() { formats(); }
     void becomesNative();
+    void waveformsAndOtherAttributes();
     void diffGoesByMeaning();
     void fieldsThatAreNotThere_data();
     void fieldsThatAreNotThere();
@@ -237,6 +238,7 @@ void LasCompatibleTest::editsGoIntoTheExtraBytes()
     const std::uint16_t length = lengthOf(format);
     const auto column = [&](const char* name) { return cloud->findAttribute(name)->columns[0]; };
     column("ReturnNumber")->values<std::uint8_t>()[5] = 12 | 13 << 4;
+    column("ReturnNumber")->values<std::uint8_t>()[9] = 3 | 12 << 4;
     column("Withheld")->values<std::uint8_t>()[6] ^= 0xFF;
     column("ScanAngle")->values<std::int16_t>()[7] = -29999;
     column("Intensity")->values<std::uint16_t>()[8] ^= 1;
@@ -244,6 +246,7 @@ void LasCompatibleTest::editsGoIntoTheExtraBytes()
         if (lasfiles::get<std::uint16_t>(records, i * length + 12) <= 20000)
             records[i * length + 16] = std::byte(64);
     records[5 * length + 14] = std::byte(12 | 13 << 4);
+    records[9 * length + 14] = std::byte(3 | 12 << 4);
     records[6 * length + 15] ^= std::byte(0xFF);
     lasfiles::set<std::int16_t>(records, 7 * length + 18, -29999);
     records[8 * length + 12] ^= std::byte(1);
@@ -299,6 +302,49 @@ void LasCompatibleTest::becomesNative()
     QCOMPARE(int(newest->source()->header.versionMinor()), 5);
     QVERIFY(!newest->source()->layout.compatible);
     QVERIFY(las::diffFiles(file, path("newest.las"), {}, progress).attributes.empty());
+}
+
+void LasCompatibleTest::waveformsAndOtherAttributes()
+{
+    constexpr std::size_t kPoints = 50;
+    for (const int format : {9, 10}) {
+        const auto stored = std::uint8_t(format - 5);
+        std::vector<std::pair<int, const char*>> fields{{4, "LAS 1.4 scan angle"},
+                                                        {1, "LAS 1.4 extended returns"},
+                                                        {1, "LAS 1.4 classification"},
+                                                        {1, "LAS 1.4 flags and channel"}};
+        if (format == 10) fields.emplace_back(3, "LAS 1.4 NIR band");
+        fields.emplace_back(1, "Mine");
+        Bytes descriptors;
+        for (const auto& [type, name] : fields) {
+            Bytes d(192);
+            d[2] = std::byte(type);
+            std::memcpy(d.data() + 4, name, std::strlen(name));
+            lasfiles::append(descriptors, d);
+        }
+        const auto length = std::uint16_t(lengthOf(stored) + (format == 10 ? 8 : 6));
+        const fs::path file = path("waves.las"), out = path("native.las");
+        lasfiles::writeFile(file, lasfiles::file(lasfiles::header(3, stored, length, kPoints),
+                                                 {lasfiles::record("lascompatible", 22204, Bytes(156)),
+                                                  lasfiles::record("LASF_Spec", 4, descriptors)},
+                                                 lasfiles::randomRecords(stored, length, kPoints, 5)));
+        const auto cloud = load(file);
+        QVERIFY(cloud->source()->layout.compatible.has_value());
+        QCOMPARE(int(cloud->source()->layout.shownFormat()), format);
+        QVERIFY(cloud->findAttribute("Mine") != nullptr && cloud->findAttribute("WaveformSize") != nullptr);
+        QCOMPARE(cloud->findAttribute("NIR") != nullptr, format == 10);
+        save(*cloud, out, std::uint8_t(format));
+        const auto native = load(out)->source();
+        QVERIFY(!native->layout.compatible);
+        QCOMPARE(int(native->layout.format), format);
+        QCOMPARE(int(native->layout.length), lengthOf(format) + 1);  // "Mine" is the only one that stays
+        Progress progress;
+        const las::Difference d = las::diffFiles(file, out, {}, progress);
+        QVERIFY2(d.attributes.empty() && d.differing == 0, las::report(d, "a", "b").c_str());
+        cloud->removeAttribute("Mine");
+        save(*cloud, out, std::uint8_t(format));
+        QCOMPARE(load(out)->source()->layout.length, lengthOf(format));
+    }
 }
 
 void LasCompatibleTest::diffGoesByMeaning()
