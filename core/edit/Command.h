@@ -50,15 +50,15 @@ public:
     virtual void apply(PointCloud& cloud) noexcept = 0;
     /// Makes ready for apply(): reads back what is spilled, and takes apart what stow() put together. May throw;
     /// nothing has changed then.
-    virtual void prepare() {}
+    virtual void prepare() = 0;
     /// Puts together what is kept until the next apply(), in as little memory as it takes.
     virtual void stow() noexcept {}
     /// Moves what stow() put together to the file, as much of it as can be there. Throws Error when the file takes
     /// no more; all is kept then, where it is.
-    virtual void spill(SpillFile&) {}
+    virtual void spill(SpillFile& file) = 0;
     /// Bytes that it keeps in memory, about, and in the file.
-    virtual std::size_t memory() const noexcept { return 0; }
-    virtual std::size_t spilled() const noexcept { return 0; }
+    virtual std::size_t memory() const noexcept = 0;
+    virtual std::size_t spilled() const noexcept = 0;
 
     /// What there is to be seen of it in the cloud, done or undone.
     struct Effect {

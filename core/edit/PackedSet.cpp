@@ -112,16 +112,19 @@ std::shared_ptr<const PointSet> StowableSet::points() const
     if (const PackedSet* const packed = std::get_if<PackedSet>(&m_kept))
         return std::make_shared<const PointSet>(packed->unpacked());
     const Spilled& spilled = std::get<Spilled>(m_kept);
-    if (!spilled.packed) {
-        auto points = std::make_shared<PointSet>(m_size);
+    std::optional<PointSet> points;
+    if (spilled.packed) {
+        std::vector<std::uint8_t> runs(spilled.piece.size());
+        spilled.piece.read(std::as_writable_bytes(std::span(runs)));
+        if (const auto packed = PackedSet::fromRuns(std::move(runs), m_size)) points = packed->unpacked();
+    } else {
+        points.emplace(m_size);
         spilled.piece.read(std::as_writable_bytes(points->words()));
-        return points;
     }
-    std::vector<std::uint8_t> runs(spilled.piece.size());
-    spilled.piece.read(std::as_writable_bytes(std::span(runs)));
-    const auto packed = PackedSet::fromRuns(std::move(runs), m_size);
-    if (!packed) throw Error("What this edit needs was damaged on the disk; the points stay as they are.");
-    return std::make_shared<const PointSet>(packed->unpacked());
+    // The values that belong to it are as many.
+    if (!points || points->count() != spilled.count)
+        throw Error("What this edit needs was damaged on the disk; the points stay as they are.");
+    return std::make_shared<const PointSet>(std::move(*points));
 }
 
 void StowableSet::stow()
@@ -135,9 +138,9 @@ void StowableSet::stow()
 void StowableSet::spill(SpillFile& file)
 {
     if (const Plain* const plain = std::get_if<Plain>(&m_kept))
-        m_kept = Spilled{file.write(std::as_bytes((*plain)->words())), false};
+        m_kept = Spilled{file.write(std::as_bytes((*plain)->words())), false, (*plain)->count()};
     else if (const PackedSet* const packed = std::get_if<PackedSet>(&m_kept))
-        m_kept = Spilled{file.write(std::as_bytes(std::span(packed->runs()))), true};
+        m_kept = Spilled{file.write(std::as_bytes(std::span(packed->runs()))), true, packed->unpacked().count()};
 }
 
 void StowableSet::fetch()

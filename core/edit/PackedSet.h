@@ -71,6 +71,7 @@ private:
     struct Spilled {
         SpillFile::Piece piece;
         bool packed;
+        PointIndex count;
     };
 
     PointIndex m_size;

@@ -111,6 +111,7 @@ private slots:
     void columnsThatTheCloudLacksAreSpilled();
     void aFullDiskLeavesEditsInMemory();
     void whatCannotBeReadBackChangesNothing();
+    void classFieldsAnywhereInAByte();
     void historyKeepsItsRules();
     void historyKnowsWhatWasSaved();
     void historyTellsWhatDiffers();
@@ -370,6 +371,14 @@ void EditTest::historyKeepsItsRules()
 void EditTest::historyKnowsWhatWasSaved()
 {
     const auto cloud = makeFrame(10);
+    {
+        History never(cloud);
+        never.forgetSaved();
+        never.push(setValue<std::uint8_t>(*cloud, "Classification", 3, 1));
+        never.undo();
+        QVERIFY(never.modified());
+        QVERIFY((never.changedPoints() == std::vector<PointIndex>{4}));
+    }
     History history(cloud);
     const auto change = [&] { history.push(setValue<std::uint8_t>(*cloud, "Classification", 1, 2)); };
     QVERIFY(!history.modified());
@@ -733,6 +742,58 @@ void EditTest::whatCannotBeReadBackChangesNothing()
     history.push(setValue<std::uint8_t>(*cloud, "Classification", 5, 7));
     history.undo();
     QVERIFY(snapshot(*cloud) == before);
+
+    // bytes that are others: of the set (with more points then), or of the values behind it
+    for (const bool ofSet : {true, false}) {
+        const QTemporaryDir other;
+        History damaged(cloud, {0, 0, other.path().toStdString()});
+        damaged.push(setValue<std::uint8_t>(*cloud, "Classification", 3, 2));
+        const auto done = snapshot(*cloud);
+        for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+            std::error_code ignored;
+            const auto target = std::filesystem::read_symlink(entry.path(), ignored).string();
+            if (!target.starts_with(other.path().toStdString())) continue;
+            const int file = ::open(entry.path().c_str(), O_WRONLY);
+            const off_t at = ofSet ? 0 : ::lseek(file, 0, SEEK_END) - 5;
+            QCOMPARE(::pwrite(file, "\xFF\xFF\xFF\xFF\xFF", 5, at), ssize_t(5));
+            ::close(file);
+        }
+        const std::string told = complaint([&] { damaged.undo(); });
+        QVERIFY2(told.find("damaged on the disk") != std::string::npos, told.c_str());
+        QVERIFY(snapshot(*cloud) == done);
+        for (std::uint8_t& c : cloud->columns()[3]->values<std::uint8_t>()) c = 0;
+    }
+
+    // a column that went, and that somebody still has when its history ends: there, if not what it was
+    std::shared_ptr<Column> held;
+    {
+        History ends(cloud, {0, 0, folder.path().toStdString()});
+        ends.push(std::make_unique<AttributesCommand>("add", std::vector{filled("Extra", 5000, 4.5f)}));
+        held = cloud->findAttribute("Extra")->columns[0];
+        ends.undo();
+        QVERIFY(ends.kept().file >= 5000 / 1024 * 4096);
+        QCOMPARE(cutSpillFiles(folder.path().toStdString()), 2);
+    }
+    QCOMPARE(held->values<float>()[0], 0.0f);
+    QCOMPARE(held->values<float>()[4999], 4.5f);  // of no whole page
+}
+
+void EditTest::classFieldsAnywhereInAByte()
+{
+    const auto cloud = makeFrame(10, {}, true);
+    Attribute shifted = *cloud->findAttribute("Classification");
+    shifted.bitShift = 3;
+    const auto points = everyNth(10, 2);
+    const auto column = shifted.columns[0]->values<std::uint8_t>();
+    column[2] = 0x07;
+    const auto codes = [&](std::uint8_t code) { return std::vector<std::byte>(points->count(), std::byte(code)); };
+    makeClassCommand("all", shifted, points, codes(31))->apply(*cloud);
+    QCOMPARE(int(column[2]), 0xFF);
+    makeClassCommand("all", shifted, points, std::uint32_t(1))->apply(*cloud);
+    QCOMPARE(int(column[2]), 0x0F);
+    QVERIFY(makeClassCommand("none", shifted, everyNth(0, 1), 1u) == nullptr);
+    QVERIFY(complaint([&] { classAttribute(*cloud, 256); }).find("256 is no class") != std::string::npos);
+    QVERIFY(makeClassCommand("none", shifted, points, std::vector<std::byte>()) == nullptr);
 }
 
 QTEST_APPLESS_MAIN(EditTest)
