@@ -47,7 +47,6 @@ class Records
 public:
     virtual ~Records() = default;
     virtual PointIndex points() const = 0;
-    virtual std::size_t length() const = 0;  ///< bytes of one
     /// Records of the points of `range`: in `scratch`, or where they are kept.
     virtual const std::byte* get(PointRange range, std::vector<std::byte>& scratch) const = 0;
     /// Points that have no record.
@@ -73,7 +72,6 @@ public:
         return scratch.data();
     }
     const std::vector<PointRange>& missing() const override { return m_none; }
-    std::size_t length() const override { return std::size_t(m_length); }
 
 private:
     File m_file;
@@ -105,7 +103,6 @@ public:
         return m_records.data() + range.first * m_length;
     }
     const std::vector<PointRange>& missing() const override { return m_missing; }
-    std::size_t length() const override { return std::size_t(m_length); }
 
 private:
     std::uint64_t m_length;
@@ -119,8 +116,11 @@ class AlignedRecords final : public Records
 {
 public:
     /// `shared`: the points of the longer file that the shorter one holds. `ofLonger`: `records` are those of it.
-    AlignedRecords(std::unique_ptr<Records> records, const KeptPoints& shared, PointIndex longer, bool ofLonger)
+    /// `length`: bytes of a record.
+    AlignedRecords(std::unique_ptr<Records> records, std::size_t length, const KeptPoints& shared,
+                   PointIndex longer, bool ofLonger)
         : m_records(std::move(records)),
+          m_length(length),
           m_shared(shared),
           m_points(ofLonger ? shared.count() : longer),
           m_ofLonger(ofLonger)
@@ -139,15 +139,15 @@ public:
         scratch.clear();
         m_shared.forEachRun(range, [&](PointRange points, PointIndex) {
             const std::byte* const from = m_records->get(points, run);
-            scratch.insert(scratch.end(), from, from + points.size() * m_records->length());
+            scratch.insert(scratch.end(), from, from + points.size() * m_length);
         });
         return scratch.data();
     }
     const std::vector<PointRange>& missing() const override { return m_missing; }
-    std::size_t length() const override { return m_records->length(); }
 
 private:
     std::unique_ptr<Records> m_records;
+    std::size_t m_length;
     const KeptPoints& m_shared;
     PointIndex m_points;
     bool m_ofLonger;
@@ -188,9 +188,10 @@ public:
         return scratch.data();
     }
     const std::vector<PointRange>& missing() const override { return m_leftOut; }
-    std::size_t length() const override { return m_maker.layout().length; }
 
 private:
+    std::size_t length() const { return m_maker.layout().length; }
+
     const RecordMaker& m_maker;
     const KeptPoints& m_held;
     std::vector<PointRange> m_leftOut;
@@ -379,8 +380,8 @@ Difference diffFiles(const std::filesystem::path& a, const std::filesystem::path
     if (d.pointsA != d.pointsB && records->missing().empty())
         shared = partOf(longerA ? *readerA : *readerB, longerA ? *readerB : *readerA, progress);
     if (shared)
-        records = std::make_unique<AlignedRecords>(std::move(records), *shared, std::max(d.pointsA, d.pointsB),
-                                                   keepA == longerA);
+        records = std::make_unique<AlignedRecords>(std::move(records), k.layout.length, *shared,
+                                                   std::max(d.pointsA, d.pointsB), keepA == longerA);
     comparePoints(streamed, *records, k.layout, !keepA, progress, said, d);
     if (options.bytes) d.firstByte = firstDifferentByte(a, b, progress);
     if (warnings != nullptr) *warnings = std::move(said);

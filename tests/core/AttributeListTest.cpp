@@ -3,6 +3,7 @@
 #include "core/edit/ListCommand.h"
 
 #include "core/Error.h"
+#include "core/edit/AttributeName.h"
 #include "core/edit/History.h"
 #include "core/edit/Journal.h"
 #include "core/las/Diff.h"
@@ -138,6 +139,8 @@ private slots:
         row("not there", "remove", "D", "", "no attribute \"D\"");
         row("taken", "rename", "A", "B", "There is an attribute \"B\" already");
         row("of the standard", "rename", "A", "Red", "is a name of the standard");
+        row("a blank before it", "rename", "A", " B2", "begin or end with a blank");
+        row("a line break in it", "rename", "A", "B\n2", "hold control characters");
         row("too long", "rename", "A", "a name of more than thirty-two bytes", "is too long");
     }
 
@@ -148,6 +151,8 @@ private slots:
         QFETCH(QString, to);
         QFETCH(QString, sentence);
         const auto cloud = load(made("refused.las"));
+        QVERIFY(complaint([&] { checkNewName(*cloud, ""); }).find("Give the attribute a name") !=
+                std::string::npos);
         Recipe recipe{step.toStdString(), {{"attribute", attribute.toStdString()}}, nullptr};
         if (!to.isEmpty()) recipe.values["to"] = to.toStdString();
         Progress progress;

@@ -166,6 +166,9 @@ inline std::vector<BadInput> badInputs(std::size_t count)
          "4,294,967,295 points, the file holds " + n);
     open("18 count 2^63", with<std::uint64_t>(las14, 247, 1ull << 63), count, true, "the file holds " + n);
     open("19 two counts", with<std::uint32_t>(las14, 107, 5), count, false, "counts differ");
+    Bytes twoCounts = with<std::uint32_t>(las14, 107, 5);
+    append(twoCounts, Bytes(4096));
+    open("19 two counts and a tail", twoCounts, count, false, "counts differ (" + n + " and 5); the first is used");
     refuse("20 version 2.0", with<std::uint16_t>(las, 24, 0x0002), "version 2.0 is not supported");
     refuse("20 version 1.9", with<std::uint8_t>(las, 25, 9), "version 1.9 is not supported");
     open("20 version 1.5", with<std::uint8_t>(las14, 25, 5), count, false, "LAS 1.5");

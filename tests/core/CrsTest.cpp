@@ -79,8 +79,10 @@ private:
                 const bool text = value < 0, real = value >= 100000;
                 words.push_back(std::uint16_t(stated.keys[k]));
                 words.push_back(std::uint16_t(text ? 34737 : real ? 34736 : 0));
-                words.push_back(std::uint16_t(text ? stated.ascii.size() : 1));
-                words.push_back(std::uint16_t(text ? 0 : real ? value - 100000 : value));
+                // -1: up to the first bar, -2: what follows it
+                const auto bar = stated.ascii.indexOf('|') + 1;
+                words.push_back(std::uint16_t(!text ? 1 : value == -1 ? bar : stated.ascii.size() - bar));
+                words.push_back(std::uint16_t(text ? (value == -1 ? 0 : bar) : real ? value - 100000 : value));
             }
             Bytes data(words.size() * 2);
             std::memcpy(data.data(), words.data(), data.size());
@@ -268,6 +270,8 @@ void CrsTest::geoTiff_data()
     row("no such unit", {1024, 1, 3076, 32632, 4099, 9001}, "", Kind::Unknown, "", "m");
     row("no such system", {1024, 1, 3072, 29}, "EPSG:29", Kind::Unknown, "", "", 1);
     row("names nothing", {1024, 1}, "", Kind::Unknown, "", "");
+    row("WKT in a citation", {1024, 1, 3072, 32767, 3073, -2}, "ESRI PE String = PROJCS[\"x\"", Kind::Lengths, "ft",
+        "ft");
 }
 
 void CrsTest::geoTiff()
@@ -281,11 +285,11 @@ void CrsTest::geoTiff()
     Stated stated;
     stated.keys = keys;
     stated.doubles = {5.0, 0.5};
-    stated.ascii = "here|";
+    stated.ascii = "here|ESRI PE String = " + projectedIn(kFoot) + "|";
     for (const bool announced : {false, true}) {  // announced: WKT, which is not there
         stated.announced = announced;
         const auto cloud = open(stated);
-        QCOMPARE(QString::fromStdString(cloud->source()->crs).section(" (", 0, 0), text);
+        QCOMPARE(QString::fromStdString(cloud->source()->crs).section(" (", 0, 0).section(",", 0, 0), text);
         QCOMPARE(int(cloud->units().kind), kind);
         QCOMPARE(QString::fromStdString(cloud->units().horizontal), horizontal);
         QCOMPARE(QString::fromStdString(cloud->units().vertical), vertical);
@@ -362,6 +366,9 @@ void CrsTest::whatLooksLikeDegrees()
     QVERIFY(open(other)->units().guessed);
     other.points[5] = 100000;  // a small object, scanned finely
     QVERIFY(!open(other)->units().guessed);
+    other = survey;
+    other.keys = {1024, 1, 4099, 9002};  // nothing but the unit of the heights
+    QVERIFY(open(other)->units().guessed && open(other)->units().vertical == "ft");
     other = survey;
     other.offset.y = 95;  // no latitude
     QVERIFY(!open(other)->units().guessed);

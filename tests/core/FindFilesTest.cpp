@@ -7,6 +7,9 @@
 #include <QTemporaryDir>
 #include <QTest>
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 
@@ -55,6 +58,21 @@ private slots:
         Progress progress;
         QVERIFY_EXCEPTION_THROWN(las::findFiles("/there is/no such folder", found, progress), Error);
         QVERIFY(found.files.empty());
+
+        // a folder inside that is closed to us is counted; others are looked into
+        const QTemporaryDir folder;
+        const std::filesystem::path root = folder.path().toStdString();
+        write(root / "closed/a.las");
+        write(root / "open/b.las");
+        const uid_t was = ::geteuid();
+        ::chmod(root.c_str(), 0755);
+        ::chmod((root / "closed").c_str(), 0);
+        if (was == 0) QCOMPARE(::seteuid(65534), 0);
+        las::findFiles(root, found, progress);
+        if (was == 0) QCOMPARE(::seteuid(was), 0);
+        ::chmod((root / "closed").c_str(), 0700);
+        QCOMPARE(found.closedFolders, std::size_t(1));
+        QVERIFY(found.files == std::vector<std::filesystem::path>{root / "open/b.las"});
     }
 
     void canBeCancelled()

@@ -5,6 +5,7 @@
 
 #include "core/Error.h"
 #include "core/edit/History.h"
+#include "core/edit/ListCommand.h"
 #include "core/edit/Literal.h"
 #include "core/edit/PackedSet.h"
 #include "core/edit/PackedValues.h"
@@ -19,9 +20,13 @@
 #include <QTemporaryDir>
 #include <QTest>
 
+#include <fcntl.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <fstream>
 
@@ -176,7 +181,17 @@ void putBytes(const std::string& path, const std::string& bytes)
     std::ofstream(path, std::ios::binary) << bytes;
 }
 
+bool linksFail = false;
+
 }  // namespace
+
+/// Stands before the C library's: some disks have no hard links.
+extern "C" int link(const char* from, const char* to) noexcept
+{
+    if (!linksFail) return ::linkat(AT_FDCWD, from, AT_FDCWD, to, 0);
+    errno = EPERM;
+    return -1;
+}
 
 class JournalTest : public QObject
 {
@@ -432,11 +447,25 @@ private slots:
         two("adds a composite of what goes", QStringLiteral("-A"), {}, first,
             QStringLiteral("All\n4\ncomposite\nA\nB\nC"));
         one("good composite", first, QStringLiteral("All\n4\ncomposite\nA\nB\nC"), {});
+        for (const auto& [noData, said] :
+             {std::pair("0-9", ""), {"17", ""}, {"20.5", ""}, {"0x", "not understood"}})
+            QTest::addRow("no data %s", noData)
+                << first << QString(bytes).replace("\n0\n1\n\n\n", QString("Made\n0\n1\n\n\n") + noData)
+                << QString() << QString() << QString(said);
+        one("no such type", first, QString(made + bytes).replace("uint8", "uint9"), notUnderstood);
         one("removes a composite", QStringLiteral("-ABC"), {}, notUnderstood);
         one("removes a coordinate", QStringLiteral("-Z"), {}, own);
         one("renames a coordinate", QStringLiteral(">Z"), made, own);
         two("renames two alike", QStringLiteral(">A"), made, QStringLiteral(">B"), made);
         two("renames as it adds", QStringLiteral(">A"), made, first, made + bytes);
+        one("renames to one that is there", QStringLiteral(">A"), QStringLiteral("B"),
+            QStringLiteral("There is an attribute \"B\" already"));
+        one("sets what is not there", QStringLiteral("=D"), QStringLiteral("uint8\nruns\n") + allOf({1}),
+            QStringLiteral("no attribute \"D\""));
+        one("sets another type", QStringLiteral("=A"), QStringLiteral("uint16\nruns\n") + allOf({1, 1}),
+            QStringLiteral("A has another type"));
+        one("adds a scalar of two parts", first, QString(made + bytes).replace("\n0\n1\n", "\n0\n2\n"),
+            notUnderstood);
         one("renames to nothing", QStringLiteral(">A"), {}, notUnderstood);
         one("sets coordinates", QStringLiteral("=Z"), QStringLiteral("int32\nruns\n") + allOf({1, 2, 3, 4}),
             QStringLiteral("Coordinates stay"));
@@ -470,6 +499,93 @@ private slots:
         history.push(std::move(command));
         history.undo();
         QVERIFY(snapshot(*cloud) == before);
+    }
+
+    /// What every kind of command did before a save is told by values when it is undone and done again after it.
+    void everyCommandIsToldByValues()
+    {
+        const QTemporaryDir folder;
+        const std::string path = folder.filePath(QStringLiteral("a.journal")).toStdString();
+        Progress progress;
+        const auto before = [](History& history, const std::shared_ptr<PointCloud>& cloud) {
+            auto points = std::make_shared<PointSet>(kPoints);
+            points->insert(PointRange{5, 50});
+            const std::vector<std::byte> values(45, std::byte(77));
+            Recipe several{kLiteralStep.data(), {}, points};
+            several.values = {{"name", "Several"}, {"=A", "uint8\nplain\n" + toBase64(values)}, {"deleted", "yes"}};
+            history.push(makeLiteral(several, *cloud));
+            history.push(ListCommand::remove(*cloud->findAttribute("A")));
+            history.push(ListCommand::rename(*cloud->findAttribute("B"), "Bee"));
+        };
+        const auto cloud = makeCloudOfParts(), second = makeCloudOfParts();
+        History history(cloud, {0, 0, folder.path().toStdString()}), other(second);
+        before(history, cloud);
+        before(other, second);
+        QVERIFY(cloud->findAttribute("ABC") == nullptr && cloud->deleted()->count() == 45);
+        history.setJournal(Journal::create(path, keyOf(*cloud, progress), "a"));
+        const auto sameNow = [&] {
+            const Replayed replayed = replay(readJournal(path), *second, other, progress);
+            bool same = replayed.stopped.empty() && !cloud->deleted() == !second->deleted();
+            auto names = attributeNames(*cloud), theirs = attributeNames(*second);
+            std::sort(names.begin(), names.end());
+            std::sort(theirs.begin(), theirs.end());
+            for (const std::string& name : names) {
+                const Attribute *a = cloud->findAttribute(name), *b = second->findAttribute(name);
+                for (std::uint32_t c = 0; b != nullptr && c < a->components; ++c)
+                    same = same && std::memcmp(a->columns[c]->data(), b->columns[c]->data(),
+                                               kPoints * a->columns[c]->elementBytes()) == 0;
+            }
+            while (other.position() > 3) other.undo();
+            return same && names == theirs;
+        };
+        for (int k = 0; k < 3; ++k) history.undo();
+        QCOMPARE(history.journal()->failure(), std::string());
+        QVERIFY(cloud->findAttribute("ABC") != nullptr && !cloud->deleted());
+        QVERIFY(sameNow());
+        history.markSaved();
+        history.redo();
+        const auto changes = history.changes(progress);
+        QVERIFY(changes && changes->empty());  // the points that changed are deleted
+        QVERIFY(sameNow());
+    }
+
+    void literalsThatDoNotFitTheCloud()
+    {
+        const auto narrow = makeFrame(10, {}, true);
+        auto all = std::make_shared<PointSet>(10);
+        all->invert();
+        const auto told = [&](const std::string& key, const std::string& value) {
+            return complaint([&] {
+                makeLiteral({kLiteralStep.data(), {{"name", "L"}, {key, value}}, all}, *narrow);
+            });
+        };
+        const std::string twos = "uint8\nplain\n" + toBase64(std::vector<std::byte>(10, std::byte(2)));
+        QVERIFY(told("=Withheld", twos).find("is too narrow") != std::string::npos);
+        QCOMPARE(told("=Classification", twos), std::string("no error"));
+        QCOMPARE(told("deleted", "yes"), std::string("no error"));
+        QVERIFY(told("deleted", "no").find("Other points are deleted") != std::string::npos);
+    }
+
+    /// A command that no recipe tells leaves a gap, until it is undone.
+    void whatCannotBeNotedIsTold()
+    {
+        Edited edited;
+        auto& [folder, path, cloud, history, progress] = edited;
+        history.push(std::make_unique<AttributesCommand>("Odd", std::vector{*cloud->findAttribute("Intensity")}));
+        QVERIFY(history.journal()->failure().find("\"Odd\" cannot be noted") != std::string::npos);
+        history.undo();
+        QCOMPARE(history.journal()->failure(), std::string());
+        QVERIFY(readJournal(path).entries.empty());
+        QVERIFY(complaint([] { readJournal("/no/such.journal"); }).find("cannot be opened") != std::string::npos);
+
+        // points that a save left out are in none of the counts
+        history.setJournal(nullptr);
+        history.setJournal(Journal::create(path, keyOf(*cloud, progress), "a",
+                                           std::make_shared<const KeptPoints>(std::vector<PointRange>{{0, 10}})));
+        auto command = std::make_unique<AttributesCommand>("Told", std::vector{*cloud->findAttribute("Intensity")});
+        command->setRecipe({"normals", {}, nullptr});
+        history.push(std::move(command));
+        QCOMPARE(readJournal(path).entries.at(0).changed, PointIndex(10));
     }
 
     /// A composite that comes once more, of columns that the cloud has, leaves these to the cloud.
@@ -523,6 +639,39 @@ private slots:
         QVERIFY(complaint([] {
                     Journal::create("/dev/full", {kPoints, 1}, "a");
                 }).find("cannot be written") != std::string::npos);
+
+        Edited edited;
+        struct rlimit was {
+        };
+        QCOMPARE(::getrlimit(RLIMIT_FSIZE, &was), 0);
+        const auto ignored = ::signal(SIGXFSZ, SIG_IGN);
+        const struct rlimit low {
+            rlim_t(std::filesystem::file_size(edited.path)), was.rlim_max
+        };
+        ::setrlimit(RLIMIT_FSIZE, &low);
+        const Edit edit{0, {"set", {{"rule", "Classification = 7"}}, nullptr}};
+        const bool followed = follow(edited.history, *edited.cloud, edit);
+        ::setrlimit(RLIMIT_FSIZE, &was);
+        ::signal(SIGXFSZ, ignored);
+        QVERIFY(followed && edited.cloud->findAttribute("Classification")->number(3) == 7.0);
+        QVERIFY(edited.history.journal()->failure().find("cannot be written") != std::string::npos);
+        // what comes later would stand behind a gap
+        follow(edited.history, *edited.cloud, {0, {"set", {{"rule", "Classification = 8"}}, nullptr}});
+        QVERIFY(readJournal(edited.path).entries.empty());
+    }
+
+    void aDiskWithoutHardLinks()
+    {
+        const QTemporaryDir folder;
+        const std::string path = folder.filePath(QStringLiteral("a.journal")).toStdString();
+        QVERIFY(complaint([&] { setJournalAside(path); }).find("cannot be set aside") != std::string::npos);
+        linksFail = true;
+        for (const char* text : {"first", "second"}) {
+            putBytes(path, text);
+            const std::filesystem::path aside = setJournalAside(path);
+            QVERIFY(bytesOf(aside) == text && !std::filesystem::exists(path));
+        }
+        linksFail = false;
     }
 
     void whatNobodyRecoveredIsSetAside()

@@ -36,6 +36,8 @@ private slots:
     void coordinatesByValue();
     void pointsThatAreMissing();
     void unreadablePointsAreNotEqual();
+    void theFirstDifferenceIsTold();
+    void shortCompressionRecords();
     void previewTellsWhatSavingDoes_data();
     void previewTellsWhatSavingDoes();
     void summaries();
@@ -415,6 +417,24 @@ void LasDiffTest::extraBytesGoByName()
     d = diff(fileA, lasfiles::file(lasfiles::header(2, 0, 21, 3), {lasfiles::record("LASF_Spec", 4, gone)}, c));
     QCOMPARE_STRING(names(d), "Wide:2 ");
     QVERIFY(d.attributes[0].change == las::AttributeDifference::Change::Removed);
+    QVERIFY(las::dropsOrUpgrades(d));
+    // numbers of the other kind, or in steps that have no unit in common, are compared as real ones
+    const auto made = [&](const Bytes& description, auto value) {
+        const auto length = std::uint16_t(20 + sizeof value);
+        Bytes records(length);
+        lasfiles::set(records, 20, value);
+        return lasfiles::file(lasfiles::header(2, 0, length, 1), {lasfiles::record("LASF_Spec", 4, description)},
+                              records);
+    };
+    const auto scaled = [](double scale) {
+        Bytes description = descriptor(5, "V", 8);
+        lasfiles::set(description, 112, scale);
+        return description;
+    };
+    QCOMPARE(diff(made(descriptor(9, "V"), 0.5f), made(descriptor(10, "V"), 0.5)).differing, PointIndex(0));
+    QCOMPARE(diff(made(descriptor(9, "V"), 0.5f), made(descriptor(10, "V"), 0.6)).differing, PointIndex(1));
+    QCOMPARE(diff(made(scaled(1e-30), 0u), made(scaled(1e30), 0u)).differing, PointIndex(0));
+    QCOMPARE(diff(made(scaled(1e-30), 0u), made(scaled(1e30), 1u)).differing, PointIndex(1));
 }
 
 void LasDiffTest::formatsOfTheOtherFamilyByMeaning()
@@ -433,7 +453,7 @@ void LasDiffTest::formatsOfTheOtherFamilyByMeaning()
     QCOMPARE(d.compared, PointIndex(kCount));
     QVERIFY2(d.differing == 0, las::report(d, "a", "b").c_str());
     QCOMPARE_STRING(names(d), "ReturnNumber:0 NumberOfReturns:0 Classification:0 ScanAngle:0 ");
-    QVERIFY(!d.contentEqual());  // the format is another one
+    QVERIFY(!d.contentEqual() && las::dropsOrUpgrades(d));  // the format is another one
 
     // one value of each kind
     const auto back = las::load(seven, progress);
@@ -503,7 +523,7 @@ void LasDiffTest::pointsThatAreMissing()
     QCOMPARE(d.pointsA, PointIndex(100));
     QCOMPARE(d.pointsB, PointIndex(97));
     QCOMPARE(d.compared, PointIndex(97));
-    QVERIFY(d.attributes.empty() && !d.contentEqual());
+    QVERIFY(d.attributes.empty() && !d.contentEqual() && las::dropsOrUpgrades(d));
     QCOMPARE_STRING(fields(d.header), "legacy_point_count ");
     QVERIFY(las::report(d, "one", "two").find("lacks 3 points") != std::string::npos);
     // nothing to compare
@@ -531,6 +551,24 @@ void LasDiffTest::unreadablePointsAreNotEqual()
         QCOMPARE(back.unreadableB, d.unreadableA);
         QVERIFY(back.attributes.empty());
     }
+    // in both files, at places that overlap
+    Bytes worse = bad;
+    for (std::size_t k = 5000; k < 7000; ++k) worse[at + k] ^= std::byte(0x5A);
+    const las::Difference d = diff(bad, worse, true, true);
+    QVERIFY(d.unreadableB >= d.unreadableA && d.unreadableA > 0);
+    QCOMPARE(d.compared, 1000 - d.unreadableB);
+    QVERIFY(d.attributes.empty());
+}
+
+void LasDiffTest::theFirstDifferenceIsTold()
+{
+    // chunks are compared in another order than that of the file
+    Bytes records = lasfiles::randomRecords(3, 34, 1000, 2, true);
+    const Bytes one = lasfiles::lazFile(3, 34, records, 200);
+    for (const std::size_t point : {900u, 500u, 300u}) records[point * 34 + 12] ^= std::byte(1);
+    const las::Difference d = diff(one, lasfiles::lazFile(3, 34, records, 200), true, true);
+    QCOMPARE_STRING(names(d), "Intensity:3 ");
+    QCOMPARE(d.attributes[0].first, PointIndex(300));
 }
 
 void LasDiffTest::previewTellsWhatSavingDoes_data()
@@ -585,6 +623,13 @@ void LasDiffTest::previewTellsWhatSavingDoes()
         QCOMPARE_STRING(names(real), "Classification:" + std::to_string(changed) + " ");
         QVERIFY(changed > 0 && real.header.empty() && real.records.empty());
     }
+    if (step == "reclassify") {
+        // what the history knows need not be looked for
+        const std::vector<AttributeChange> known{{"Classification", changed}};
+        const las::SavePreview sooner = las::previewSave(*cloud, original, out, options, progress, &known);
+        QCOMPARE_STRING(names(sooner.difference), names(real));
+        QVERIFY(!las::dropsOrUpgrades(real));
+    }
     if (step == "normals") QVERIFY(las::summary(real).starts_with("new: NormalX, NormalY and NormalZ; "));
 
     // a file that is not the one that was read
@@ -616,6 +661,44 @@ void LasDiffTest::summaries()
     QCOMPARE_STRING(las::summary(d),
                     "Red and Green of 5 points; Classification of 1,204 points; new: NormalX; 1 point left out; "
                     "creation date and software in the header; record copc/1 removed");
+
+    // more than fit a sentence; other types alone; bytes beside the records
+    d = {};
+    for (const char* name : {"A", "B", "C", "D", "E", "F", "G"})
+        d.attributes.push_back({Change::Added, name, 1, 0, {}, {}, "", "uint8"});
+    d.attributes.push_back({Change::Changed, "H", 0, 0, {}, {}, "uint8", "uint16"});
+    d.bytes = {{"bytes at the end of the file", 1, 2, 1}};
+    QCOMPARE_STRING(las::summary(d),
+                    "new: A, B, C, D, E and 2 more; other types, same values: H; bytes at the end of the file");
+    d.unreadableA = 1;
+    d.unreadableB = 2;
+    d.onlyB = 3;
+    d.recordsReordered = true;
+    r.change = las::RecordDifference::Change::Changed;
+    r.extendedA = true;
+    d.records = {r};
+    const QString report = QString::fromStdString(las::report(d, "a", "b"));
+    for (const char* part :
+         {"1 byte -> 2 bytes, differ from byte 1", "1 point cannot be read", "2 points cannot be read",
+          "lacks 3 points", "in another order", "is no longer extended"})
+        QVERIFY2(report.contains(part), qPrintable(report));
+    const QString summary = QString::fromStdString(las::summary(d));
+    QVERIFY(summary.contains("3 points added") && summary.contains("order of the records"));
+}
+
+void LasDiffTest::shortCompressionRecords()
+{
+    const auto made = [](std::size_t bytes) {
+        return lasfiles::file(lasfiles::header(2, 0, 20, 1),
+                              {lasfiles::record("laszip encoded", 22204, Bytes(bytes, std::byte(0xAB)))},
+                              Bytes(20));
+    };
+    const las::Difference d = diff(made(2), made(3));
+    QVERIFY(d.contentEqual());
+    const auto found = std::find_if(d.container.begin(), d.container.end(),
+                                    [](const las::FieldDifference& f) { return f.name == "compression"; });
+    QVERIFY(found != d.container.end());
+    QCOMPARE_STRING(las::toText(found->a) + " " + las::toText(found->b), "0xabab 0xababab");
 }
 
 void LasDiffTest::cancels()

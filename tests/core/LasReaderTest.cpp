@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "core/Error.h"
+#include "core/las/ChunkCodec.h"
 #include "core/las/Reader.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
@@ -41,6 +42,7 @@ private slots:
     void returnsAndBoundsAreCounted();
     void pointwiseCompressionIsRead();
     void manyDamagedChunksAreOneWarning();
+    void wrongCallsAreRefused();
 
 private:
     fs::path make(const std::string& name, const Bytes& bytes) const
@@ -501,6 +503,19 @@ void LasReaderTest::manyDamagedChunksAreOneWarning()
     QVERIFY(result.warnings.size() < 15);
     QVERIFY(std::is_sorted(result.missing.begin(), result.missing.end(),
                            [](const PointRange& a, const PointRange& b) { return a.first < b.first; }));
+}
+
+void LasReaderTest::wrongCallsAreRefused()
+{
+    const auto reader = las::Reader::open(
+        make("ten.las", lasfiles::file(lasfiles::header(2, 0, 20, 10), {}, lasfiles::randomRecords(0, 20, 10, 1))));
+    Progress progress;
+    PointCloud other(9);
+    QVERIFY_EXCEPTION_THROWN(reader->read(other, progress), Error);
+    std::vector<std::string> warnings;
+    QVERIFY_EXCEPTION_THROWN(las::makeLayout(11, 100, {}, {}, warnings), Error);
+    QVERIFY_EXCEPTION_THROWN(las::makeLayout(6, 29, {}, {}, warnings), Error);
+    QVERIFY_EXCEPTION_THROWN(las::encodeChunk(las::LazInfo::standard(6, 30), {}, progress), Error);
 }
 
 QTEST_GUILESS_MAIN(LasReaderTest)

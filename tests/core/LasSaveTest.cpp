@@ -499,6 +499,12 @@ void LasSaveTest::indexBesideIsSetAside()
     make("j.lax", Bytes(8));
     QVERIFY(hasNote(save(*cloud, temp("j.las")), "another file"));
     QVERIFY(fs::exists(temp("j.lax")));
+    // the name that it would get is taken by a folder
+    save(*cloud, temp("l.las"));
+    make("l.lax", Bytes(8));
+    fs::create_directories(temp("l.lax.old/folder"));
+    QVERIFY(hasNote(save(*cloud, temp("l.las")), "should be removed"));
+    QVERIFY(fs::exists(temp("l.lax")));
     // a copy of all chunks leaves it right
     save(*cloud, temp("k.laz"));
     make("k.lax", Bytes(9));

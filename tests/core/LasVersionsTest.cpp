@@ -155,6 +155,7 @@ private slots:
     void lossyIsAskedFor();
     void lossyValues();
     void lossyRecords();
+    void waveformsAmongOtherRecords();
     void versionDecidesTheFormat();
     void wktBecomesKeys();
     void realFiles_data();
@@ -178,6 +179,9 @@ void LasVersionsTest::newestIsKeptAsItIs()
     QVERIFY(lasfiles::readFile(temp("back.las")) == lasfiles::readFile(temp("in.las")));
     write(*cloud, temp("out.las"), std::uint8_t(5), std::uint8_t(6));  // asked for what it is
     QVERIFY(lasfiles::readFile(temp("out.las")) == lasfiles::readFile(temp("in.las")));
+    made.encoding = 16 | 64;  // an offset of times that are said to have none
+    const auto contradicts = make(made)->source();
+    QVERIFY(contradicts->warnings.size() == 1 && contradicts->warnings[0].find("denies it") != std::string::npos);
 }
 
 void LasVersionsTest::newestFrom14()
@@ -214,6 +218,18 @@ void LasVersionsTest::newestFrom14()
     const Bytes old = lasfiles::readFile(temp("back.las"));
     QCOMPARE(int(lasfiles::get<std::uint16_t>(old, 94)), 375);
     QVERIFY(recordsOf(old) == made.records);
+
+    made.vlrs.push_back(lasfiles::wktRecord(kUtm));  // both: the keys go
+    QVERIFY(noted(write(*make(made), temp("both.las"), std::uint8_t(5)), "The GeoTIFF keys are left out"));
+    QVERIFY(load(temp("both.las"))->source()->findVlr("LASF_Projection", 34735) == nullptr);
+
+    Made wide;  // bytes of its own that leave no room for a longer header
+    wide.minor = 2;
+    wide.format = 1;
+    wide.records = Bytes(28 * 5);
+    wide.userBytes = Bytes(65200);
+    const auto refused = make(wide);
+    QVERIFY_EXCEPTION_THROWN(write(*refused, temp("wide.las"), std::uint8_t(4)), Error);
 
     Made bare;  // no system, no times
     bare.vlrs.clear();
@@ -412,6 +428,40 @@ void LasVersionsTest::lossyRecords()
     QCOMPARE(int(source->layout.format), 1);
 }
 
+void LasVersionsTest::waveformsAmongOtherRecords()
+{
+    // LAS 1.3 keeps the record of waveforms as the only extended one
+    Made made;
+    made.format = 9;
+    made.encoding = 17 | las::encoding::kInternalWaveform;
+    made.records = plainRecords(9);
+    made.evlrs = lasfiles::record("small", 2, Bytes(10), true);
+    const std::size_t before = made.evlrs.size();
+    lasfiles::append(made.evlrs, lasfiles::record("LASF_Spec", 65535, Bytes(50, std::byte(9)), true));
+    made.evlrCount = 2;
+    make(made);
+    Bytes bytes = lasfiles::readFile(temp("in.las"));
+    lasfiles::set(bytes, 227, lasfiles::get<std::uint64_t>(bytes, 235) + before);
+    lasfiles::writeFile(temp("in.las"), bytes);
+    const auto cloud = load(temp("in.las"));
+    QVERIFY(cloud->source()->waveformEvlr == std::size_t(1));
+    write(*cloud, temp("three.las"), std::uint8_t(3));
+    const auto three = load(temp("three.las"))->source();
+    QVERIFY(three->warnings.empty() && three->waveformEvlr == std::size_t(0));
+    QVERIFY(three->evlrs.at(0).data == Bytes(50, std::byte(9)) && three->findVlr("small", 2) != nullptr);
+    QCOMPARE(int(three->layout.format), 4);
+
+    // an index before it goes when the points are compressed
+    bytes = lasfiles::readFile(temp("in.las"));
+    const std::size_t at = std::size_t(lasfiles::get<std::uint64_t>(bytes, 235));
+    std::memcpy(bytes.data() + at + 2, "LAStools\0", 9);
+    lasfiles::set(bytes, at + 18, std::uint16_t(30));
+    lasfiles::writeFile(temp("in.las"), bytes);
+    write(*load(temp("in.las")), temp("moved.laz"), {});
+    const auto moved = load(temp("moved.laz"))->source();
+    QVERIFY(moved->evlrs.size() == 1 && moved->waveformEvlr == std::size_t(0));
+}
+
 void LasVersionsTest::versionDecidesTheFormat()
 {
     const struct {
@@ -450,6 +500,28 @@ void LasVersionsTest::wktBecomesKeys()
     QVERIFY(load(temp("none.las"))->source()->findVlr("LASF_Projection", 34735) == nullptr);
     std::string name;
     QVERIFY(las::keysOf("", name).empty() && las::keysOf("PROJCS[", name).empty());
+
+    // with heights; and with a shift to another datum, which keys need not repeat
+    const std::string heights =
+        R"x(VERT_CS["NAVD88 height (ftUS)",VERT_DATUM["North American Vertical Datum 1988",2005,)x"
+        R"(AUTHORITY["EPSG","5103"]],UNIT["US survey foot",0.304800609601219,AUTHORITY["EPSG","9003"]],)"
+        R"(AXIS["Up",UP],AUTHORITY["EPSG","6360"]])";
+    const auto wordsOf = [&](const std::string& system) {
+        const Bytes bytes = las::keysOf(system, name);
+        std::vector<std::uint16_t> words(bytes.size() / 2);
+        if (!words.empty()) std::memcpy(words.data(), bytes.data(), bytes.size());
+        return words;
+    };
+    QVERIFY((wordsOf("COMPD_CS[\"both\"," + kUtm + "," + heights + "]") ==
+             std::vector<std::uint16_t>{1,    1, 0, 5,    1024, 0, 1, 1,    3072, 0, 1, 26910,
+                                        3076, 0, 1, 9001, 4096, 0, 1, 6360, 4099, 0, 1, 9003}));
+    std::string shifted = kUtm;
+    const std::string spheroid = R"(AUTHORITY["EPSG","7019"]])";
+    shifted.insert(shifted.find(spheroid) + spheroid.size(), ",TOWGS84[1,2,3,0,0,0,0]");
+    QCOMPARE(wordsOf(shifted), wordsOf(kUtm));
+    QVERIFY(wordsOf(R"(GEOCCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
+                    R"(PRIMEM["Greenwich",0],UNIT["metre",1]])")
+                .empty());
 }
 
 void LasVersionsTest::realFiles_data()
