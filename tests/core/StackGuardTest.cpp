@@ -48,7 +48,7 @@ int faultOfSomebodyElse(const std::string& before)
     return 0;
 }
 
-[[gnu::noinline]] int deep(int n)
+[[gnu::noinline, gnu::no_sanitize_address]] int deep(int n)
 {
     volatile char room[1024];
     room[0] = char(n);
