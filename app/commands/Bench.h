@@ -23,6 +23,10 @@ struct BenchOptions {
     bool json = false;
 };
 
+/// Of the pictures that benchmarks draw, in px, where nothing else is asked for.
+inline constexpr int kBenchWidth = 1280;
+inline constexpr int kBenchHeight = 800;
+
 /// Adds FILE, --rounds and --json.
 void addBenchOptions(CLI::App& command, BenchOptions& options);
 

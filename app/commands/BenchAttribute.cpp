@@ -12,8 +12,6 @@ namespace punctum::app
 namespace
 {
 
-constexpr int kWidth = 1280;
-constexpr int kHeight = 800;
 constexpr int kTurnFrames = 120, kFramesPerSwitch = 40;
 constexpr double kHalfTurn = 3.14159265358979;
 
@@ -46,7 +44,7 @@ void runBenchAttribute(const BenchOptions& options, Progress& progress)
     render::ProgressiveRenderer& renderer = headless.renderer();
     const DrawableCloud cloud = loadDrawable(options.file, progress);
     render::DisplaySettings display;
-    show(renderer, cloud, kWidth, kHeight, display);
+    show(renderer, cloud, kBenchWidth, kBenchHeight, display);
     drawAll(renderer, false, progress);
 
     const std::string first = renderer.shownAttribute();

@@ -12,9 +12,6 @@ namespace punctum::app
 namespace
 {
 
-constexpr int kWidth = 1280;
-constexpr int kHeight = 800;
-
 void runBenchEdit(const BenchOptions& options, Progress& progress)
 {
     HeadlessRenderer headless("auto");
@@ -22,7 +19,7 @@ void runBenchEdit(const BenchOptions& options, Progress& progress)
     const DrawableCloud cloud = loadDrawable(options.file, progress);
     render::DisplaySettings display;
     display.attribute = "Classification";
-    show(renderer, cloud, kWidth, kHeight, display);
+    show(renderer, cloud, kBenchWidth, kBenchHeight, display);
     drawAll(renderer, false, progress);
 
     // the middle half of the heights becomes water

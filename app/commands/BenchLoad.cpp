@@ -26,9 +26,6 @@ namespace punctum::app
 namespace
 {
 
-constexpr int kWidth = 1280;
-constexpr int kHeight = 800;
-
 double residentBytes()
 {
     std::ifstream statm("/proc/self/statm");
@@ -149,7 +146,7 @@ void measureFirstImage(const std::string& file, Figures& figures, Progress& prog
 {
     HeadlessRenderer headless("auto");  // the window and its backend are there before a file is opened
     render::ProgressiveRenderer& renderer = headless.renderer();
-    renderer.setSize(kWidth, kHeight);
+    renderer.setSize(kBenchWidth, kBenchHeight);
     renderer.setDisplay(render::DisplaySettings());
 
     const Clock clock;
@@ -158,7 +155,7 @@ void measureFirstImage(const std::string& file, Figures& figures, Progress& prog
     render::Camera camera;
     camera.setView("iso");
     camera.stretch = trueLengths(*load.cloud(), load.source()->firstBounds).stretch;
-    camera.fit(load.source()->firstBounds, {kWidth, kHeight});
+    camera.fit(load.source()->firstBounds, {kBenchWidth, kBenchHeight});
     renderer.setCamera(camera);
 
     std::atomic<bool> ended{false};

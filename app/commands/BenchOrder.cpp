@@ -62,9 +62,9 @@ public:
     /// From slot `from` on, round the end.
     void draw(Slot from, Slot count)
     {
-        const Slot slots = m_store.slotCount();
-        from %= slots;
-        const Slot first = std::min<Slot>(count, slots - from);
+        const Slot slotCount = m_store.slotCount();
+        from %= slotCount;
+        const Slot first = std::min<Slot>(count, slotCount - from);
         m_backend->draw(m_scene, 0, {from, from + first});
         if (first < count) m_backend->draw(m_scene, 0, {0, count - first});
         m_backend->finish();
@@ -118,24 +118,24 @@ void measure(OrderKind order, const std::string& name, const std::shared_ptr<Poi
         camera.setView("iso");
         camera.fit(cloud->coordinates().toWorld(bounds), {options.size.width, options.size.height});
         Drawing drawing(*store, camera, {options.size.width, options.size.height, 1});
-        const Slot slots = store->slotCount();
-        drawing.draw(0, slots);
+        const Slot slotCount = store->slotCount();
+        drawing.draw(0, slotCount);
         drawing.clear();
         clock.restart();
-        drawing.draw(0, slots);
+        drawing.draw(0, slotCount);
         figure("draw_mpts_per_s", points / clock.seconds() * 1e-6);
         const render::Image finished = drawing.picture();
 
         // Each round begins at another place of the order, as a view does that was turned.
         const Slot window = store->order().windowSize();
-        const Slot from = Slot(std::uint64_t(round) * slots / std::uint64_t(options.rounds) / window * window);
+        const Slot from = Slot(std::uint64_t(round) * slotCount / std::uint64_t(options.rounds) / window * window);
         drawing.clear();
         Slot drawn = 0;
         for (const int percent : kPercents) {
             progress.check();
-            const auto wanted = std::uint64_t(slots) * std::uint64_t(percent) / 100;
-            const Slot upTo = Slot(std::min<std::uint64_t>(slots, (wanted + window - 1) / window * window));
-            if (upTo > drawn) drawing.draw((from + drawn) % slots, upTo - drawn);
+            const auto wanted = std::uint64_t(slotCount) * std::uint64_t(percent) / 100;
+            const Slot upTo = Slot(std::min<std::uint64_t>(slotCount, (wanted + window - 1) / window * window));
+            if (upTo > drawn) drawing.draw((from + drawn) % slotCount, upTo - drawn);
             drawn = std::max(drawn, upTo);
             const Distance error = distanceOf(drawing.picture(), finished);
             figure("missing_at_" + std::to_string(percent) + "_percent", error.missing);

@@ -21,8 +21,6 @@ namespace punctum::app
 namespace
 {
 
-constexpr int kWidth = 1280;
-constexpr int kHeight = 800;
 constexpr double kStrokeSeconds = 2.0;
 constexpr double kBrushRadius = 24.0;  // px
 constexpr const char* kRule = "Classification == 2 and Intensity < 1000";
@@ -32,10 +30,11 @@ ScreenMask star()
 {
     std::vector<glm::dvec2> corners;
     for (int k = 0; k < 12; ++k) {
-        const double radius = kHeight * (k % 2 == 0 ? 0.45 : 0.25), angle = k * std::numbers::pi / 6;
-        corners.push_back({kWidth / 2.0 + radius * std::cos(angle), kHeight / 2.0 + radius * std::sin(angle)});
+        const double radius = kBenchHeight * (k % 2 == 0 ? 0.45 : 0.25), angle = k * std::numbers::pi / 6;
+        corners.push_back(
+            {kBenchWidth / 2.0 + radius * std::cos(angle), kBenchHeight / 2.0 + radius * std::sin(angle)});
     }
-    ScreenMask mask(kWidth, kHeight);
+    ScreenMask mask(kBenchWidth, kBenchHeight);
     mask.addPolygon(corners);
     return mask;
 }
@@ -46,8 +45,8 @@ void measureBrush(render::ProgressiveRenderer& renderer, const PointCloud& cloud
                   Progress& progress)
 {
     using namespace std::chrono_literals;
-    ScreenMask stroke(kWidth, kHeight);
-    glm::dvec2 last(kWidth * 0.75, kHeight / 2.0);
+    ScreenMask stroke(kBenchWidth, kBenchHeight);
+    glm::dvec2 last(kBenchWidth * 0.75, kBenchHeight / 2.0);
     std::future<std::shared_ptr<const PointSet>> job;
     double asked = 0;  // when the job began, on the clock
     std::vector<double> frames, behind;
@@ -55,7 +54,8 @@ void measureBrush(render::ProgressiveRenderer& renderer, const PointCloud& cloud
     for (double now = 0; now < kStrokeSeconds; now = clock.seconds()) {
         progress.check();
         const double angle = now / kStrokeSeconds * 2 * std::numbers::pi;
-        const glm::dvec2 hand(kWidth * (0.5 + 0.25 * std::cos(angle)), kHeight * (0.5 + 0.3 * std::sin(angle)));
+        const glm::dvec2 hand(kBenchWidth * (0.5 + 0.25 * std::cos(angle)),
+                              kBenchHeight * (0.5 + 0.3 * std::sin(angle)));
         stroke.addStroke(std::exchange(last, hand), hand, kBrushRadius);
 
         const Clock frame;
@@ -94,7 +94,7 @@ void runBenchSelect(const BenchOptions& options, Progress& progress)
     const PointCloud& cloud = *drawable.cloud;
     render::DisplaySettings display;
     display.attribute = "Classification";
-    show(renderer, drawable, kWidth, kHeight, display);
+    show(renderer, drawable, kBenchWidth, kBenchHeight, display);
     drawAll(renderer, false, progress);
 
     Figures figures;

@@ -18,7 +18,7 @@ using Kind = Syntax::Kind;
 /// Nested brackets, signs and functions: each takes some of the stack, here and when it is evaluated.
 constexpr int kMostNested = 60;
 
-constexpr std::array<std::string_view, 6> kComparisons = {"==", "!=", "<=", ">=", "<", ">"};
+constexpr std::array<std::string_view, 6> kComparisonSigns = {"==", "!=", "<=", ">=", "<", ">"};
 constexpr std::array<std::string_view, 2> kSums = {"+", "-"};
 constexpr std::array<std::string_view, 4> kProducts = {"*", "/", "//", "%"};
 
@@ -195,7 +195,7 @@ private:
         }
         // 0.2 < Z < 5 means 0.2 < Z and Z < 5
         Syntax chain = make(Kind::And, byte, {});
-        while (const Token* sign = takeOneOf(kComparisons)) {
+        while (const Token* sign = takeOneOf(kComparisonSigns)) {
             Syntax right = sum();
             chain.children.push_back(
                 make(Kind::Compare, sign->byte, list(std::move(left), Syntax(right)), sign->text));

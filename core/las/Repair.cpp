@@ -17,7 +17,7 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::size_t kBlock = std::size_t(4) << 20;  ///< bytes copied between two looks at the cancel flag
+constexpr std::size_t kCopyBlock = std::size_t(4) << 20;  ///< bytes copied between two looks at the cancel flag
 
 /// What is wrong with a file, all of it read.
 struct Examined {
@@ -41,10 +41,11 @@ void copyBehind(const File& from, const Header& header, AtomicFile& to, Progress
 {
     progress.begin("Copying", from.size());
     to.writeAt(0, header.bytes);
-    std::vector<std::byte> block(kBlock);
+    std::vector<std::byte> block(kCopyBlock);
     for (std::uint64_t at = header.bytes.size(); at < from.size();) {
         progress.check();
-        const auto bytes = std::span(block).first(std::size_t(std::min<std::uint64_t>(kBlock, from.size() - at)));
+        const auto bytes =
+            std::span(block).first(std::size_t(std::min<std::uint64_t>(kCopyBlock, from.size() - at)));
         from.readAt(at, bytes);
         to.writeAt(at, bytes);
         at += bytes.size();

@@ -10,7 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include <QTemporaryDir>
-#include <QtTest>
+#include <QTest>
 
 #include <cmath>
 #include <cstdlib>

@@ -7,7 +7,7 @@
 #include "tests/core/LoadAndSave.h"
 
 #include <QTemporaryDir>
-#include <QtTest>
+#include <QTest>
 
 #include <cmath>
 #include <filesystem>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/las/RecordBlocks.h"
 
-#include <QtTest>
+#include <QTest>
 
 #include <cstring>
 #include <memory>

@@ -5,7 +5,7 @@
 
 #include <glm/geometric.hpp>
 
-#include <QtTest>
+#include <QTest>
 
 using namespace punctum;
 

@@ -6,7 +6,7 @@
 #include "tests/core/MadeCloud.h"
 #include "tests/render/SyntheticCloud.h"
 
-#include <QtTest>
+#include <QTest>
 
 using namespace punctum;
 

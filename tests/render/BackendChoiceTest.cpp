@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "render/raster/BackendChoice.h"
 
-#include <QtTest>
+#include <QTest>
 
 #include <algorithm>
 

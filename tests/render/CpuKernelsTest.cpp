@@ -3,7 +3,7 @@
 #include "render/raster/cpu/CpuKernels.h"
 #include "tests/render/SyntheticCloud.h"
 
-#include <QtTest>
+#include <QTest>
 
 #include <bit>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include "render/progressive/ProgressiveRenderer.h"
 #include "tests/render/GlPictures.h"
 
-#include <QtTest>
+#include <QTest>
 
 #include <algorithm>
 #include <atomic>

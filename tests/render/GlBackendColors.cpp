@@ -3,7 +3,7 @@
 #include "tests/render/GlBackendChecks.h"
 #include "tests/render/GlPictures.h"
 
-#include <QtTest>
+#include <QTest>
 
 #include <algorithm>
 #include <string_view>

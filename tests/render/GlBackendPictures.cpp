@@ -7,7 +7,7 @@
 
 #include <epoxy/gl.h>
 
-#include <QtTest>
+#include <QTest>
 
 namespace punctum::test
 {

@@ -4,7 +4,7 @@
 #include "render/gl/EglContext.h"
 #include "render/raster/gl/GlBudget.h"
 
-#include <QtTest>
+#include <QTest>
 
 #include <optional>
 

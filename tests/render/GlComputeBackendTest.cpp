@@ -2,7 +2,7 @@
 #include "render/raster/gl_compute/GlComputeBackend.h"
 #include "tests/render/GlBackendChecks.h"
 
-#include <QtTest>
+#include <QTest>
 
 /// gl-compute. Nearest depth and least id win, as on the CPU: a converged picture is the brute-force picture.
 class GlComputeBackendTest : public punctum::test::GlBackendChecks

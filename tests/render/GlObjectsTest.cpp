@@ -6,7 +6,7 @@
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
-#include <QtTest>
+#include <QTest>
 
 #include <array>
 

@@ -2,7 +2,7 @@
 #include "render/raster/gl_points/GlPointsBackend.h"
 #include "tests/render/GlBackendChecks.h"
 
-#include <QtTest>
+#include <QTest>
 
 /// gl-points. Of two equally deep points the one drawn first stays, and reprojected points are drawn first.
 class GlPointsBackendTest : public punctum::test::GlBackendChecks

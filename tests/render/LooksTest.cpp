@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include <QImage>
-#include <QtTest>
+#include <QTest>
 
 #include <cstdlib>
 #include <functional>

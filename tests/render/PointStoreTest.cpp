@@ -4,7 +4,7 @@
 #include "render/store/PointStore.h"
 #include "tests/render/SyntheticCloud.h"
 
-#include <QtTest>
+#include <QTest>
 
 #include <bit>
 #include <thread>

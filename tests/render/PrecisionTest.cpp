@@ -3,7 +3,7 @@
 #include "render/gl/EglContext.h"
 #include "tests/render/RenderedView.h"
 
-#include <QtTest>
+#include <QTest>
 
 #include <cmath>
 

@@ -7,7 +7,7 @@
 #include "render/raster/cpu/CpuBackend.h"
 #include "tests/render/RenderedView.h"
 
-#include <QtTest>
+#include <QTest>
 
 #include <algorithm>
 #include <atomic>

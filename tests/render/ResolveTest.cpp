@@ -5,7 +5,7 @@
 #include "render/resolve/HoleFill.h"
 #include "tests/render/SyntheticCloud.h"
 
-#include <QtTest>
+#include <QTest>
 
 #include <glm/geometric.hpp>
 

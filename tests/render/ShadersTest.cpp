@@ -4,7 +4,7 @@
 #include <QMap>
 #include <QRegularExpression>
 #include <QSet>
-#include <QtTest>
+#include <QTest>
 
 /// Uniforms have the same place on both sides, because both take it from one table.
 class ShadersTest : public QObject

@@ -2,7 +2,7 @@
 #include "render/order/SlotOrder.h"
 #include "render/raster/PointIds.h"
 
-#include <QtTest>
+#include <QTest>
 
 #include <cmath>
 #include <vector>

@@ -5,7 +5,7 @@
 #include "tests/render/AverageChecks.h"
 #include "tests/render/RenderedView.h"
 
-#include <QtTest>
+#include <QTest>
 
 #include <algorithm>
 #include <bit>

@@ -8,7 +8,7 @@
 #include "ui/Still.h"
 
 #include <QSignalSpy>
-#include <QtTest>
+#include <QTest>
 
 using namespace punctum;
 using namespace punctum::ui;

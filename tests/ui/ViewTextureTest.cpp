@@ -14,7 +14,7 @@
 #include <QOpenGLWidget>
 #include <QSignalSpy>
 #include <QTemporaryDir>
-#include <QtTest>
+#include <QTest>
 
 #include <optional>
 
