@@ -172,6 +172,7 @@ private:
         throw ExpressionError(m_bindings.text, byte, sentence);
     }
 
+    /// Calls itself for each level of the tree, and so keeps nothing on the stack.
     Node any(const Syntax& s, bool classes)
     {
         switch (s.kind) {
@@ -182,7 +183,7 @@ private:
             case Kind::Call:
                 return call(s);
             case Kind::Negate:
-                return same(Op::Negate, s.byte, value(s.children[0], false));
+                return negation(s);
             case Kind::Arithmetic:
                 return arithmetic(s);
             case Kind::Compare:
@@ -190,16 +191,27 @@ private:
             case Kind::In:
                 return within(s);
             case Kind::Not:
-                return makeNode(Op::Not, Type::Condition, s.byte, list(condition(s.children[0])));
             case Kind::And:
-            case Kind::Or: {
-                Node node = makeNode(s.kind == Kind::And ? Op::And : Op::Or, Type::Condition, s.byte, {});
-                for (const Syntax& child : s.children) node.children.push_back(condition(child));
-                return node;
-            }
+            case Kind::Or:
+                return joined(s);
             case Kind::Conditional:
                 break;
         }
+        return choice(s, classes);
+    }
+
+    Node negation(const Syntax& s) { return same(Op::Negate, s.byte, value(s.children[0], false)); }
+
+    Node joined(const Syntax& s)
+    {
+        const Op op = s.kind == Kind::Not ? Op::Not : s.kind == Kind::And ? Op::And : Op::Or;
+        Node node = makeNode(op, Type::Condition, s.byte, {});
+        for (const Syntax& child : s.children) node.children.push_back(condition(child));
+        return node;
+    }
+
+    Node choice(const Syntax& s, bool classes)
+    {
         Node yes = value(s.children[0], classes), no = value(s.children[2], classes);
         Node decides = condition(s.children[1]);
         alike(yes, no);
