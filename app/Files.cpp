@@ -31,6 +31,15 @@ std::string reason(int error)
     return std::string(": ") + std::strerror(error) + ".";
 }
 
+/// Of opening and of reading, each once.
+std::vector<std::string> allWarnings(const las::SourceFile& source, const las::ReadResult& result)
+{
+    std::vector<std::string> all = source.warnings;
+    for (const std::string& warning : result.warnings)
+        if (std::find(all.begin(), all.end(), warning) == all.end()) all.push_back(warning);
+    return all;
+}
+
 /// Writes all bytes, or returns the errno of what stopped it.
 int writeAll(int file, std::string_view bytes)
 {
@@ -59,25 +68,28 @@ void checkFolder(const fs::path& path)
         throw Error(path, "Nothing can be written to the folder " + folder.string() + reason(errno));
 }
 
-std::shared_ptr<PointCloud> loadForWriting(const fs::path& in, const fs::path& out, Progress& progress)
+std::shared_ptr<Session> loadForWriting(const fs::path& in, const fs::path& out, Progress& progress, bool undo)
 {
     checkFolder(out);
-    las::ReadResult result;
-    auto cloud = las::load(in, progress, &result);
-    for (const std::string& warning : result.warnings) note(warning);
-    std::error_code error;
-    const bool damaged = cloud->source()->recovered || !result.missing.empty();
-    if (damaged && fs::equivalent(in, out, error))
-        throw Error(in,
-                    "Some of this file could not be read; write under another name, so that the original is kept.");
-    return cloud;
+    HistoryRoom room;
+    room.undo = undo;
+    auto session = Session::open(in, room);
+    const las::ReadResult result = session->read(progress);
+    for (const std::string& warning : allWarnings(*session->source(), result)) note(warning);
+    session->checkTarget(out);
+    return session;
 }
 
-las::WriteReport writeCloud(const PointCloud& cloud, const fs::path& path, const las::WriteOptions& options,
-                            Progress& progress)
+las::WriteReport saveSession(Session& session, const fs::path& path, const las::WriteOptions& options,
+                             Progress& progress)
+{
+    return withHints([&] { return session.save({path, options, false, {}}, progress).report; });
+}
+
+las::WriteReport withHints(const std::function<las::WriteReport()>& write)
 {
     try {
-        return las::write(cloud, path, options, progress);
+        return write();
     } catch (const las::WriteQuestion& question) {
         switch (question.kind()) {
             case las::WriteQuestion::Kind::TargetChanged:
@@ -137,13 +149,9 @@ void reportWritten(const las::WriteReport& report, const fs::path& path, bool js
 
 DrawableCloud loadDrawable(const fs::path& path, Progress& progress, render::OrderKind order)
 {
-    const render::CloudLoad load(path, order);
+    const render::CloudLoad load(Session::open(path), order);
     const las::ReadResult result = load.read(progress);
-    DrawableCloud loaded{load.cloud(), load.store(), result.bounds, load.source()->warnings};
-    for (const std::string& warning : result.warnings)
-        if (std::find(loaded.warnings.begin(), loaded.warnings.end(), warning) == loaded.warnings.end())
-            loaded.warnings.push_back(warning);
-    return loaded;
+    return {load.session()->cloud(), load.store(), result.bounds, allWarnings(*load.session()->source(), result)};
 }
 
 void writeWhole(const fs::path& path, std::string_view bytes)

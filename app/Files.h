@@ -4,9 +4,11 @@
 #include "app/Console.h"
 #include "core/cloud/PointCloud.h"
 #include "core/las/Writer.h"
+#include "core/session/Session.h"
 #include "render/store/PointStore.h"
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,17 +26,21 @@ void checkCloudName(const std::filesystem::path& path);
 /// Throws Error when the folder that is to hold `path` is not there, before any work is spent.
 void checkFolder(const std::filesystem::path& path);
 
-/// Loads `in` in order to write `out`: puts warnings on stderr, and throws Error when that would replace a damaged
-/// original by what could be read of it. Throws Error, Cancelled.
-std::shared_ptr<PointCloud> loadForWriting(const std::filesystem::path& in, const std::filesystem::path& out,
-                                           Progress& progress);
+/// A session with all points of `in`, in order to write `out`: puts warnings on stderr, and throws Error when that
+/// would replace a damaged original by what could be read of it. `undo`: the history is walked through. Throws
+/// Error, Cancelled.
+std::shared_ptr<Session> loadForWriting(const std::filesystem::path& in, const std::filesystem::path& out,
+                                        Progress& progress, bool undo = false);
 
-/// las::write, with a hint at the option that says yes to its question. Throws Error, Cancelled.
-las::WriteReport writeCloud(const PointCloud& cloud, const std::filesystem::path& path,
-                            const las::WriteOptions& options, Progress& progress);
-/// Adds --upgrade, for writeCloud.
+/// Session::save() without telling what changed, with a hint at the option that says yes to its question. Throws
+/// Error, Cancelled.
+las::WriteReport saveSession(Session& session, const std::filesystem::path& path, const las::WriteOptions& options,
+                             Progress& progress);
+/// `write()`, with a hint at the option that says yes to its question.
+las::WriteReport withHints(const std::function<las::WriteReport()>& write);
+/// Adds --upgrade, for whatever writes a cloud.
 void addUpgrade(CLI::App& command, bool& upgrade);
-/// Adds --replace-protected, for writeCloud.
+/// Adds --replace-protected, for whatever writes a cloud.
 void addReplaceProtected(CLI::App& command, bool& replaceProtected);
 /// Adds --no-verify, for whatever writes a cloud.
 void addNoVerify(CLI::App& command, bool& noVerify);

@@ -2,6 +2,7 @@
 #include "ui/Document.h"
 
 #include "core/edit/History.h"
+#include "core/session/Session.h"
 #include "render/camera/Camera.h"
 #include "render/store/PointStore.h"
 #include "ui/Text.h"
@@ -14,16 +15,17 @@
 namespace punctum::ui
 {
 
-Document::Document(std::shared_ptr<OpenCloud> data, QObject* parent)
+Document::Document(std::shared_ptr<Session> session, std::shared_ptr<render::PointStore> store, QObject* parent)
     : QObject(parent),
-      m_data(std::move(data)),
-      m_path(toQString(m_data->path)),
+      m_session(std::move(session)),
+      m_store(std::move(store)),
+      m_path(toQString(m_session->openedPath())),
       m_name(fileName()),
-      m_recovered(m_data->source->recovered),
-      m_bounds(m_data->source->firstBounds),
-      m_attributes(m_data->cloud->attributes())  // nobody else knows the cloud's list yet
+      m_recovered(source().recovered),
+      m_bounds(source().firstBounds),
+      m_attributes(cloud()->attributes())  // nobody else knows the cloud's list yet
 {
-    for (const std::string& loss : m_data->source->losses) m_losses << toQString(loss);
+    for (const std::string& loss : source().losses) m_losses << toQString(loss);
 }
 
 QStringList warningsOf(const las::SourceFile& source)
@@ -33,6 +35,21 @@ QStringList warningsOf(const las::SourceFile& source)
         if (std::find(source.losses.begin(), source.losses.end(), warning) == source.losses.end())
             sentences << toQString(warning);
     return sentences;
+}
+
+const std::shared_ptr<PointCloud>& Document::cloud() const noexcept
+{
+    return m_session->cloud();
+}
+
+const las::SourceFile& Document::source() const noexcept
+{
+    return *m_session->source();
+}
+
+const History& Document::history() const noexcept
+{
+    return m_session->history();
 }
 
 QString Document::fileName() const
@@ -55,12 +72,12 @@ void Document::setDistinction(const QString& part)
 double Document::loadedShare() const noexcept
 {
     if (!loading()) return 1.0;
-    return points() == 0 ? 0.0 : double(m_data->store->filled()) / double(points());
+    return points() == 0 ? 0.0 : double(m_store->filled()) / double(points());
 }
 
 bool Document::modified() const
 {
-    return m_data->history->modified();
+    return history().modified();
 }
 
 const Attribute* Document::findAttribute(const QString& name) const
@@ -105,7 +122,7 @@ void Document::setLoaded(const las::ReadResult& result)
     for (const PointRange& range : result.missing) m_missingPoints += range.size();
     m_recovered = m_recovered || !result.missing.empty();
     m_rawBounds = result.bounds;
-    m_bounds = m_data->cloud->coordinates().toWorld(result.bounds);
+    m_bounds = cloud()->coordinates().toWorld(result.bounds);
     emit stateChanged();
 }
 
@@ -175,7 +192,7 @@ void Document::setUnsavedChanges(const QString& changes)
 void Document::setSavedAs(const std::filesystem::path& path, LastSave save)
 {
     m_lastSave = std::move(save);
-    if (path != m_data->path) m_recovered = false;  // the damaged file is another one now
+    if (path != m_session->openedPath()) m_recovered = false;  // the damaged file is another one now
     m_path = toQString(path);
     m_name = fileName();  // until it is compared with the others again
     m_origin.clear();

@@ -13,13 +13,13 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
 namespace punctum
 {
 class History;
+class Session;
 namespace render
 {
 class PointStore;
@@ -28,19 +28,6 @@ class PointStore;
 
 namespace punctum::ui
 {
-
-/// What an open file consists of; shared with the jobs that work on it.
-struct OpenCloud {
-    std::filesystem::path path;
-    std::shared_ptr<const las::SourceFile> source;
-    std::shared_ptr<PointCloud> cloud;
-    std::shared_ptr<render::PointStore> store;
-    std::shared_ptr<History> history;
-    /// Held while the history moves, and while "saved" is noted down: a save never marks an edit that it missed.
-    std::mutex editGate;
-    std::uint64_t edits = 0;   ///< moves of the history so far; guarded by editGate
-    bool journalTold = false;  ///< that it is not kept; guarded by editGate
-};
 
 /// What is to be said of a file beside what is missing or damaged, one sentence each.
 QStringList warningsOf(const las::SourceFile& source);
@@ -57,11 +44,16 @@ class Document final : public QObject
 public:
     enum class State { Loading, Ready };
 
-    explicit Document(std::shared_ptr<OpenCloud> data, QObject* parent = nullptr);
+    /// `store`: what is drawn of the session's cloud.
+    Document(std::shared_ptr<Session> session, std::shared_ptr<render::PointStore> store,
+             QObject* parent = nullptr);
 
-    const std::shared_ptr<OpenCloud>& data() const noexcept { return m_data; }
-    const std::shared_ptr<PointCloud>& cloud() const noexcept { return m_data->cloud; }
-    const las::SourceFile& source() const noexcept { return *m_data->source; }
+    /// Shared with the jobs that work on it.
+    const std::shared_ptr<Session>& session() const noexcept { return m_session; }
+    const std::shared_ptr<render::PointStore>& store() const noexcept { return m_store; }
+    const std::shared_ptr<PointCloud>& cloud() const noexcept;
+    const las::SourceFile& source() const noexcept;
+    const History& history() const noexcept;
 
     QString path() const { return m_path; }
     QString fileName() const;  ///< without folder
@@ -72,7 +64,7 @@ public:
     State state() const noexcept { return m_state; }
     bool loading() const noexcept { return m_state == State::Loading; }
     double loadedShare() const noexcept;
-    PointIndex points() const noexcept { return m_data->cloud->size(); }
+    PointIndex points() const noexcept { return cloud()->size(); }
     /// Something of the file is missing or damaged: it may not be overwritten.
     bool recovered() const noexcept { return m_recovered; }
     /// Points whose values could not be read and are 0.
@@ -148,7 +140,8 @@ signals:
 private:
     void takeBounds(int axis, const AttributeStatistics& figures);
 
-    std::shared_ptr<OpenCloud> m_data;
+    std::shared_ptr<Session> m_session;
+    std::shared_ptr<render::PointStore> m_store;
     QString m_path, m_name, m_origin;
     State m_state = State::Loading;
     bool m_recovered = false;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "ui/FileDoctor.h"
 
-#include "core/edit/History.h"
 #include "core/las/Repair.h"
+#include "core/session/Session.h"
 #include "core/task/Progress.h"
 #include "ui/Document.h"
 #include "ui/Text.h"
@@ -11,7 +11,6 @@
 #include <QDir>
 #include <QPointer>
 
-#include <mutex>
 #include <optional>
 
 namespace punctum::ui
@@ -19,13 +18,6 @@ namespace punctum::ui
 
 namespace
 {
-
-/// The number of edits, while the values are those of the file; else nothing.
-std::optional<std::uint64_t> editsInFile(OpenCloud& data)
-{
-    const std::lock_guard gate(data.editGate);
-    return data.history->modified() ? std::nullopt : std::optional(data.edits);
-}
 
 /// What was done and what was not, in lines.
 QString details(const las::RepairReport& report)
@@ -66,11 +58,11 @@ void FileDoctor::examine(Document& document)
     const auto result = std::make_shared<std::optional<las::Examination>>();
     const JobId job = m_workspace.startJob(
         tr("Look through %1").arg(document.name()),
-        [data = document.data(), result](Progress& progress) {
-            const auto edits = editsInFile(*data);
+        [session = document.session(), result](Progress& progress) {
+            const auto edits = session->editsInFile();
             if (!edits) return;
-            las::Examination found = las::examine(*data->cloud, progress);
-            if (editsInFile(*data) == edits) *result = std::move(found);
+            las::Examination found = las::examine(*session->cloud(), progress);
+            if (session->editsInFile() == edits) *result = std::move(found);
         },
         [self = QPointer(this), target = QPointer(&document), result](const JobInfo& info) {
             if (!self || !target) return;

@@ -251,7 +251,7 @@ void MainWindow::openFiles(const QStringList& files)
 
 void MainWindow::documentAdded(Document* document)
 {
-    m_renderer->addCloud(document->data()->store);
+    m_renderer->addCloud(document->store());
     m_titleTimer.start();
 }
 

@@ -2,11 +2,9 @@
 #include "ui/Openings.h"
 
 #include "core/Error.h"
-#include "core/edit/History.h"
 #include "core/task/Progress.h"
 #include "render/raster/PointIds.h"
 #include "render/store/CloudLoad.h"
-#include "ui/Recovery.h"
 #include "ui/Text.h"
 #include "ui/Workspace.h"
 
@@ -65,7 +63,8 @@ struct Openings::Opening {
     QString path;
     std::shared_ptr<Batch> batch;
     JobId job = 0;
-    std::shared_ptr<OpenCloud> data;
+    std::shared_ptr<Session> session;
+    std::shared_ptr<render::PointStore> store;
     las::ReadResult result;
     QPointer<Document> document;  ///< GUI thread only
 };
@@ -123,15 +122,10 @@ void Openings::start(const std::shared_ptr<Opening>& opening)
         [this, opening, order = m_workspace.order(), room = m_workspace.room()](Progress& progress) {
             progress.begin("Reading the header", 1);
             const std::filesystem::path place = findPath(opening->path);
-            const render::CloudLoad load(place, order);
+            const render::CloudLoad load(Session::open(place, room), order);
             progress.check();
-            auto data = std::make_shared<OpenCloud>();
-            data->path = place;
-            data->source = load.source();
-            data->cloud = load.cloud();
-            data->store = load.store();
-            data->history = std::make_shared<History>(data->cloud, room);
-            opening->data = data;
+            opening->session = load.session();
+            opening->store = load.store();
             QMetaObject::invokeMethod(
                 this, [this, opening] { ready(opening); }, Qt::QueuedConnection);
             opening->result = load.read(progress);
@@ -143,15 +137,15 @@ void Openings::ready(const std::shared_ptr<Opening>& opening)
 {
     render::PointIds ids;
     try {
-        for (const Document* open : m_workspace.documents()) ids.take(open->data()->store->slotCount());
-        ids.take(opening->data->store->slotCount());
+        for (const Document* open : m_workspace.documents()) ids.take(open->store()->slotCount());
+        ids.take(opening->store->slotCount());
     } catch (const Error& e) {
         m_workspace.cancel(opening->job);
         fail(*opening,
              tr("%1 was not opened: %2").arg(fileNameOf(opening->path), toQString(std::string(e.what()))));
         return;
     }
-    Document& document = m_workspace.take(opening->data);
+    Document& document = m_workspace.take(opening->session, opening->store);
     opening->document = &document;
     if (opening->batch->files > 1 && !opening->batch->origin.isEmpty()) document.setOrigin(opening->batch->origin);
     m_workspace.tie(document, opening->job);

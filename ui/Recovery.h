@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/edit/Journal.h"
+#include "core/session/KeptJournals.h"
 #include "ui/Question.h"
 
-#include <QDateTime>
 #include <QObject>
 #include <QPointer>
 #include <QString>
@@ -17,7 +16,7 @@
 
 namespace punctum
 {
-class Progress;
+struct FoundJournal;
 }
 
 namespace punctum::ui
@@ -25,7 +24,6 @@ namespace punctum::ui
 
 class Document;
 class Workspace;
-struct OpenCloud;
 
 /// What the user says when asked whether to recover.
 enum class RecoveryAnswer {
@@ -34,32 +32,19 @@ enum class RecoveryAnswer {
     SetAside,  ///< it is not asked again; the edits stay in the list of those that can be had back
 };
 
-/// Edits that were not saved, in a journal that waits for its file or was set aside.
-struct KeptJournal {
-    std::filesystem::path path;  ///< of the journal
-    QString file;                ///< that the edits are of
-    QString edits;               ///< "Set class 2 Ground, Delete and 3 more"
-    QDateTime changed;
-    bool setAside = false;
-};
+/// "Set class 2 Ground, Delete and 3 more".
+QString editsText(const std::vector<std::string>& names);
 
-/// Sees to it that a crash loses no edit: begins a journal with the first edit of a file, and when a file is opened
-/// that a program left with a journal, offers to do again what it tells.
+/// Sees to it that a crash loses no edit: when a file is opened that a program left with a journal, offers to do
+/// again what it tells. Session keeps the journals.
 ///
-/// GUI thread only, but for noteDown(). Borrows the workspace.
+/// GUI thread only. Borrows the workspace.
 class Recovery final : public QObject
 {
     Q_OBJECT
 public:
     /// `folder`: where journals are kept; empty: none are.
     Recovery(Workspace& workspace, std::filesystem::path folder);
-
-    /// Called by a job that is about to change a cloud, with its gate held: begins the journal where there is none.
-    /// What keeps it from that is told once, and never stops the edit.
-    void noteDown(OpenCloud& data, Progress& progress) noexcept;
-    /// There is nothing to recover: the file is closed in order, or was saved, and what the journal tells is about
-    /// the file of before (with the gate held).
-    static void dropJournal(OpenCloud& data) noexcept;
 
     /// Looks for a journal of the document, and asks.
     void look(Document& document);
@@ -75,15 +60,9 @@ public:
     void removeKept(const std::filesystem::path& path, std::function<void()> done);
 
 private:
-    std::filesystem::path pathOf(const CloudKey& key) const;
-    void offer(Document& document, const std::filesystem::path& path,
-               const std::shared_ptr<JournalContents>& journal);
-    void recover(Document& document, const std::filesystem::path& path,
-                 const std::shared_ptr<const JournalContents>& journal);
+    void offer(Document& document, const std::shared_ptr<const FoundJournal>& journal);
+    void recover(Document& document, const std::shared_ptr<const FoundJournal>& journal);
     void recoverFrom(Document& document, const std::filesystem::path& path);
-    /// A journal that has been followed becomes the one that is kept on.
-    void goOn(OpenCloud& data, const std::filesystem::path& path, const CloudKey& key) const;
-    void warn(const QString& sentence);
 
     Workspace& m_workspace;
     std::filesystem::path m_folder;

@@ -6,8 +6,8 @@
 #include "ui/Workspace.h"
 #include "ui/style/Widgets.h"
 
+#include <QDateTime>
 #include <QDialogButtonBox>
-#include <QFileInfo>
 #include <QHeaderView>
 #include <QPointer>
 #include <QPushButton>
@@ -15,6 +15,7 @@
 #include <QVBoxLayout>
 
 #include <algorithm>
+#include <chrono>
 
 namespace punctum::ui
 {
@@ -56,16 +57,16 @@ RecoveryList::RecoveryList(Workspace& workspace, QWidget* parent)
     connect(m_remove, &QPushButton::clicked, this, [this] {
         const KeptJournal* const journal = chosen();
         if (!journal || !m_workspace.askQuestion) return;
-        m_workspace.askQuestion(
-            {tr("Delete these edits?"),
-             tr("%1 of %2 cannot be recovered then.").arg(journal->edits, QFileInfo(journal->file).fileName()),
-             tr("&Delete")},
-            [self = QPointer(this), path = journal->path](bool wanted) {
-                if (!self || !wanted) return;
-                self->m_workspace.recovery().removeKept(path, [self] {
-                    if (self) self->look();
-                });
-            });
+        m_workspace.askQuestion({tr("Delete these edits?"),
+                                 tr("%1 of %2 cannot be recovered then.")
+                                     .arg(editsText(journal->edits), toQString(journal->file.filename())),
+                                 tr("&Delete")},
+                                [self = QPointer(this), path = journal->path](bool wanted) {
+                                    if (!self || !wanted) return;
+                                    self->m_workspace.recovery().removeKept(path, [self] {
+                                        if (self) self->look();
+                                    });
+                                });
     });
     takeChoice();
     look();
@@ -83,11 +84,13 @@ void RecoveryList::fill(std::vector<KeptJournal> journals)
     m_journals = std::move(journals);
     m_list->clear();
     for (const KeptJournal& journal : m_journals) {
-        auto* item = new QTreeWidgetItem(m_list, {QFileInfo(journal.file).fileName(), journal.edits,
-                                                  windowLocale().toString(journal.changed, QLocale::ShortFormat),
+        const auto changed = QDateTime::fromSecsSinceEpoch(std::chrono::system_clock::to_time_t(journal.changed));
+        const QString edits = editsText(journal.edits);
+        auto* item = new QTreeWidgetItem(m_list, {toQString(journal.file.filename()), edits,
+                                                  windowLocale().toString(changed, QLocale::ShortFormat),
                                                   journal.setAside ? tr("set aside") : tr("waits for its file")});
-        item->setToolTip(0, journal.file);
-        item->setToolTip(1, journal.edits);
+        item->setToolTip(0, toQString(journal.file));
+        item->setToolTip(1, edits);
     }
     if (!m_journals.empty()) m_list->setCurrentItem(m_list->topLevelItem(0));
     takeChoice();

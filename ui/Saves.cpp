@@ -2,9 +2,7 @@
 #include "ui/Saves.h"
 
 #include "core/Error.h"
-#include "core/task/Progress.h"
-#include "ui/Recovery.h"
-#include "ui/Saving.h"
+#include "ui/SavingText.h"
 #include "ui/Text.h"
 
 #include <QDir>
@@ -22,7 +20,7 @@ Saves::Saves(Workspace& workspace) : m_workspace(workspace) {}
 /// One save, until it is done or given up.
 struct Saves::Saving {
     QPointer<Document> document;  ///< null once it is closed
-    std::shared_ptr<OpenCloud> data;
+    std::shared_ptr<Session> session;
     std::filesystem::path original;
     std::filesystem::path target;
     std::optional<Forecast> forecast;
@@ -41,12 +39,12 @@ void Saves::save(Document& document, const QString& path, std::function<void(boo
     };
     if (document.loading())
         return refuse(tr("%1 is still being read: save it when all points are here.").arg(document.name()));
-    if (document.recovered() && target == document.data()->path)
+    if (document.recovered() && target == document.session()->openedPath())
         return refuse(
             tr("%1 is damaged, and only part of it could be read: save under another name.").arg(document.name()));
     auto saving = std::make_shared<Saving>();
     saving->document = &document;
-    saving->data = document.data();
+    saving->session = document.session();
     saving->original = toPath(document.path());
     saving->target = target;
     saving->options.upgrade = document.upgradeAllowed();
@@ -58,7 +56,7 @@ void Saves::save(Document& document, const QString& path, std::function<void(boo
         tr("Compare %1 with the file").arg(document.name()),
         [saving](Progress& progress) {
             try {
-                saving->forecast = foresee(*saving->data, saving->original, saving->target, progress);
+                saving->forecast = saving->session->foresee(saving->target, progress);
             } catch (const Error&) {
                 saving->forecast.reset();  // then it is asked nothing; what cannot be written is told by the save
             }
@@ -95,8 +93,8 @@ void Saves::startSave(const std::shared_ptr<Saving>& saving)
         [saving](Progress& progress) {
             saving->question.reset();
             try {
-                saving->outcome = saveCloud(*saving->data, saving->original, saving->target,
-                                            std::move(saving->forecast), saving->options, progress);
+                saving->outcome = saving->session->save(
+                    {saving->target, saving->options, true, std::move(saving->forecast)}, progress);
             } catch (const las::WriteQuestion& question) {
                 saving->question = question;
                 throw;
@@ -189,8 +187,8 @@ void Saves::countUnsaved(Document& document)
     const QPointer<Document> target(&document);
     count.job = m_workspace.startJob(
         tr("Unsaved changes of %1").arg(document.name()),
-        [data = document.data(), original = toPath(document.path()), changes](Progress& progress) {
-            *changes = unsavedChanges(*data, original, progress);
+        [session = document.session(), changes](Progress& progress) {
+            *changes = toQString(session->unsavedChanges(progress));
         },
         [this, target, changes](const JobInfo& info) {
             const auto counted = target ? m_counts.find(target.data()) : m_counts.end();

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "ui/Workspace.h"
 
-#include "core/Error.h"
-#include "core/edit/Extract.h"
 #include "core/edit/History.h"
-#include "core/las/Writer.h"
 #include "core/measure/Spacing.h"
-#include "core/process/MakeCommand.h"
 #include "core/task/Progress.h"
 #include "render/store/PointStore.h"
 #include "ui/BackgroundPriority.h"
@@ -32,14 +28,6 @@ namespace
 /// More values than that have no place in a legend.
 constexpr std::size_t kListedValues = 64;
 
-std::vector<std::string> attributeNames(const PointCloud& cloud)
-{
-    const std::shared_lock lock(cloud.mutex());
-    std::vector<std::string> names;
-    for (const Attribute& attribute : cloud.attributes()) names.push_back(attribute.name);
-    return names;
-}
-
 }  // namespace
 
 Workspace::Workspace(HistoryRoom room, QObject* parent)
@@ -64,7 +52,7 @@ Workspace::~Workspace()
     m_watches.clear();
     for (Document* document :
          m_documents)  // ended in order: what is unsaved was to be given up, or there is nothing
-        Recovery::dropJournal(*document->data());
+        document->session()->close();
     qDeleteAll(m_documents);
 }
 
@@ -128,9 +116,9 @@ void Workspace::open(const QStringList& paths, const QString& origin)
     m_openings->open(wanted, origin);
 }
 
-Document& Workspace::take(std::shared_ptr<OpenCloud> data)
+Document& Workspace::take(std::shared_ptr<Session> session, std::shared_ptr<render::PointStore> store)
 {
-    auto* document = new Document(std::move(data), this);
+    auto* document = new Document(std::move(session), std::move(store), this);
     m_documents.push_back(document);
     Watch& watch = m_watches[document];
     watch.subscription = document->cloud()->subscribe(
@@ -208,9 +196,9 @@ void Workspace::remove(Document& document, bool openingFailed)
     // Giving back gigabytes takes a while: the last one to let go of them is a job, not the window.
     startJob(
         tr("Close %1").arg(document.name()),
-        [data = document.data()](Progress& progress) {
-            Recovery::dropJournal(*data);
-            while (data.use_count() > 1 && !progress.cancelled())
+        [session = document.session(), store = document.store()](Progress& progress) {
+            session->close();
+            while ((session.use_count() > 1 || store.use_count() > 1) && !progress.cancelled())
                 std::this_thread::sleep_for(std::chrono::milliseconds(20));
         },
         {}, true);
@@ -320,42 +308,28 @@ void Workspace::save(Document& document, const QString& path, std::function<void
 
 void Workspace::undo(Document& document)
 {
-    const History& history = *document.data()->history;
+    const History& history = document.history();
     if (history.canUndo())
         moveHistory(document, history.position() - 1, tr("Undo %1").arg(toQString(history.undoName())));
 }
 
 void Workspace::redo(Document& document)
 {
-    const History& history = *document.data()->history;
+    const History& history = document.history();
     if (history.canRedo())
         moveHistory(document, history.position() + 1, tr("Redo %1").arg(toQString(history.redoName())));
 }
 
 void Workspace::walk(Document& document, std::size_t position)
 {
-    if (position != document.data()->history->position() && !document.loading())
+    if (position != document.history().position() && !document.loading())
         moveHistory(document, position, tr("Walk through the history of %1").arg(document.name()));
 }
 
 void Workspace::moveHistory(Document& document, std::size_t position, const QString& title)
 {
-    const auto data = document.data();
     startJob(
-        title,
-        [this, data, position](Progress& progress) {
-            History& history = *data->history;
-            progress.begin("Changing points", 1);
-            const std::lock_guard gate(data->editGate);
-            while (history.position() != position) {
-                progress.check();
-                const bool forward = history.position() < position;
-                if (forward ? !history.canRedo() : !history.canUndo()) break;  // others have been here meanwhile
-                m_recovery->noteDown(*data, progress);
-                ++data->edits;
-                forward ? history.redo() : history.undo();
-            }
-        },
+        title, [session = document.session(), position](Progress& progress) { session->walk(position, progress); },
         [this, alive = QPointer<Document>(&document)](const JobInfo& info) {
             if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
             if (alive) edited(*alive);
@@ -366,26 +340,10 @@ void Workspace::moveHistory(Document& document, std::size_t position, const QStr
 JobId Workspace::edit(Document& document, const QString& title, const Recipe& recipe, EditEnded ended)
 {
     auto outcome = std::make_shared<EditOutcome>();
-    const auto data = document.data();
     const JobId id = startJob(
         tr("%1 of %2").arg(title, document.name()),
-        [this, data, recipe, outcome](Progress& progress) {
-            const auto before = attributeNames(*data->cloud);
-            auto command = makeCommand(recipe, *data->cloud, progress);
-            if (!command) return;
-            progress.check();
-            outcome->changed = command->changedPoints();
-            progress.begin("Changing points", 1);
-            {
-                const std::lock_guard gate(data->editGate);
-                m_recovery->noteDown(*data, progress);
-                progress.check();
-                ++data->edits;
-                data->history->push(std::move(command));
-            }
-            for (const std::string& name : attributeNames(*data->cloud))
-                if (std::find(before.begin(), before.end(), name) == before.end())
-                    outcome->newAttributes << toQString(name);
+        [session = document.session(), recipe, outcome](Progress& progress) {
+            *outcome = session->edit(recipe, progress);
         },
         [this, alive = QPointer<Document>(&document), ended = std::move(ended), outcome](const JobInfo& info) {
             if (alive) edited(*alive);
@@ -401,17 +359,8 @@ void Workspace::extract(Document& document, std::shared_ptr<const PointSet> poin
     const auto report = std::make_shared<las::WriteReport>();
     startJob(
         tr("Save selected points of %1").arg(document.name()),
-        [data = document.data(), points = std::move(points), original = toPath(document.path()), target,
-         report](Progress& progress) {
-            std::error_code ignored;
-            if (target == original || std::filesystem::equivalent(target, original, ignored))
-                throw Error(target,
-                            "this is the file that is open; points that are not selected would be lost. "
-                            "Choose another name.");
-            las::WriteOptions options;
-            options.compressed = las::isCompressedName(target);
-            options.copyChunks = false;
-            *report = las::write(*extracted(*data->cloud, *points, progress), target, options, progress);
+        [session = document.session(), points = std::move(points), target, report](Progress& progress) {
+            *report = session->extract(*points, target, {}, progress);
         },
         [this, target, report](const JobInfo& info) {
             if (info.state == JobState::Failed) say(MessageKind::Error, toQString(info.error));
@@ -424,7 +373,7 @@ void Workspace::extract(Document& document, std::shared_ptr<const PointSet> poin
 void Workspace::edited(Document& document)
 {
     document.noteEdit();
-    if (const std::string warning = document.data()->history->takeWarning(); !warning.empty())
+    for (const std::string& warning : document.session()->takeWarnings())
         say(MessageKind::Warning, toQString(warning), {}, &document);
     m_saves->countUnsaved(document);
 }
@@ -434,7 +383,9 @@ JobId Workspace::run(Document& document, const Step& step, const StepValues& val
     const QString title = toQString(step.title());
     return edit(document, title, Recipe{step.name(), values, nullptr},
                 [this, title](const JobInfo& info, const EditOutcome& outcome) {
-                    emit stepEnded(info.id, title, outcome.changed, outcome.newAttributes, info);
+                    QStringList names;
+                    for (const std::string& name : outcome.newAttributes) names << toQString(name);
+                    emit stepEnded(info.id, title, outcome.changed, names, info);
                 });
 }
 

@@ -4,6 +4,7 @@
 #include "core/edit/HistoryRoom.h"
 #include "core/edit/Recipe.h"
 #include "core/process/Step.h"
+#include "core/session/Session.h"
 #include "core/task/Jobs.h"
 #include "render/order/SlotOrder.h"
 #include "ui/Document.h"
@@ -78,12 +79,7 @@ public:
     /// Runs a processing step and applies its command; stepEnded tells the result.
     JobId run(Document& document, const Step& step, const StepValues& values);
 
-    /// Makes the recipe's command and applies it, as one step of the history. `ended` is called in the GUI thread;
-    /// a failure is told by it alone.
-    struct EditOutcome {
-        PointIndex changed = 0;
-        QStringList newAttributes;
-    };
+    /// Session::edit(). `ended` is called in the GUI thread; a failure is told by it alone.
     using EditEnded = std::function<void(const JobInfo&, const EditOutcome&)>;
     JobId edit(Document& document, const QString& title, const Recipe& recipe, EditEnded ended);
 
@@ -133,7 +129,7 @@ signals:
 private:
     friend class Openings;
     /// A document of it, which fills from now on.
-    Document& take(std::shared_ptr<OpenCloud> data);
+    Document& take(std::shared_ptr<Session> session, std::shared_ptr<render::PointStore> store);
     void finishLoading(Document& document, const las::ReadResult& result);
     void dropUnread(Document& document);
     const HistoryRoom& room() const noexcept { return m_room; }

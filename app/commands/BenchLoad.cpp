@@ -150,12 +150,12 @@ void measureFirstImage(const std::string& file, Figures& figures, Progress& prog
     renderer.setDisplay(render::DisplaySettings());
 
     const Clock clock;
-    const render::CloudLoad load(file);
+    const render::CloudLoad load(Session::open(file));
     renderer.addCloud(load.store());
     render::Camera camera;
     camera.setView("iso");
-    camera.stretch = trueLengths(*load.cloud(), load.source()->firstBounds).stretch;
-    camera.fit(load.source()->firstBounds, {kBenchWidth, kBenchHeight});
+    camera.stretch = trueLengths(*load.session()->cloud(), load.session()->source()->firstBounds).stretch;
+    camera.fit(load.session()->source()->firstBounds, {kBenchWidth, kBenchHeight});
     renderer.setCamera(camera);
 
     std::atomic<bool> ended{false};

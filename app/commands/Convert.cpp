@@ -29,16 +29,15 @@ struct ConvertOptions {
 void runConvert(const ConvertOptions& options, Progress& progress)
 {
     checkCloudName(options.out);
-    const auto cloud = loadForWriting(options.in, options.out, progress);
+    const auto session = loadForWriting(options.in, options.out, progress);
     las::WriteOptions write;
-    write.compressed = las::isCompressedName(options.out);
     if (!options.version.empty()) write.versionMinor = std::uint8_t(options.version.back() - '0');
     if (options.format >= 0) write.pointFormat = std::uint8_t(options.format);
     write.verify = !options.noVerify;
     write.replaceProtected = options.replaceProtected;
     write.upgrade = options.upgrade;
     write.lossy = options.lossy;
-    reportWritten(writeCloud(*cloud, options.out, write, progress), options.out, options.json);
+    reportWritten(saveSession(*session, options.out, write, progress), options.out, options.json);
 }
 
 }  // namespace

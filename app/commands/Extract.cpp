@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // punctum extract: writes the points for which a condition holds.
-#include "core/edit/Extract.h"
 #include "app/Console.h"
 #include "app/Files.h"
 #include "app/commands/Command.h"
@@ -37,16 +36,14 @@ void runExtract(const ExtractOptions& options, Progress& progress)
     std::error_code ignored;
     if (std::filesystem::equivalent(options.in, options.out, ignored))
         throw UsageError("OUT is IN: points that are left out would be lost. Name another file");
-    const auto cloud = loadForWriting(options.in, options.out, progress);
-    const auto points = expression::select(*cloud, expression::Condition(options.where, *cloud), progress);
-    const auto part = extracted(*cloud, *points, progress);
+    const auto session = loadForWriting(options.in, options.out, progress);
+    const PointCloud& cloud = *session->cloud();
+    const auto points = expression::select(cloud, expression::Condition(options.where, cloud), progress);
     las::WriteOptions write;
-    write.compressed = las::isCompressedName(options.out);
     write.verify = !options.noVerify;
     write.replaceProtected = options.replaceProtected;
-    write.copyChunks = false;
-    reportWritten(writeCloud(*part, options.out, write, progress), options.out, options.json,
-                  {{"points_read", cloud->size()}});
+    reportWritten(withHints([&] { return session->extract(*points, options.out, write, progress); }), options.out,
+                  options.json, {{"points_read", cloud.size()}});
 }
 
 }  // namespace

@@ -151,19 +151,18 @@ void runProcess(const ProcessOptions& options, Progress& progress)
         }
     }
     checkCloudName(options.out);
-    const auto cloud = loadForWriting(options.in, options.out, progress);
+    const auto session = loadForWriting(options.in, options.out, progress);
 
     Json report = Json::array();
     for (std::size_t k = 0; k < steps.size(); ++k) {
         const auto start = std::chrono::steady_clock::now();
-        const auto command = steps[k].step->run(*cloud, steps[k].values, progress);
-        if (command) command->apply(*cloud);
+        const PointIndex changed =
+            session->edit({steps[k].step->name(), steps[k].values, nullptr}, progress).changed;
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-        const PointIndex changed = command ? command->changedPoints() : 0;
         Json line = {{"step", words[k]}, {"points_changed", changed}, {"seconds", seconds.count()}};
         std::string lengths;
         if (hasLength(steps[k])) {
-            const std::string unit = trueLengths(*cloud, WorldBounds()).unit;
+            const std::string unit = trueLengths(*session->cloud(), WorldBounds()).unit;
             line["length_unit"] = unit;
             lengths =
                 unit.empty() ? " (the file does not say the unit of its lengths)" : " (lengths in " + unit + ")";
@@ -172,11 +171,11 @@ void runProcess(const ProcessOptions& options, Progress& progress)
         if (!options.json) note(words[k] + ": " + pointsText(changed) + " changed" + lengths + ".");
     }
     las::WriteOptions write;
-    write.compressed = las::isCompressedName(options.out);
     write.verify = !options.noVerify;
     write.replaceProtected = options.replaceProtected;
     write.upgrade = options.upgrade;
-    reportWritten(writeCloud(*cloud, options.out, write, progress), options.out, options.json, {{"steps", report}});
+    reportWritten(saveSession(*session, options.out, write, progress), options.out, options.json,
+                  {{"steps", report}});
 }
 
 }  // namespace

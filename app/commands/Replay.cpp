@@ -84,20 +84,18 @@ void runReplay(const ReplayOptions& options, Progress& progress)
         listJournal(journal, options.json);
         return;
     }
-    const auto cloud = loadForWriting(options.in, options.out, progress);
-    History history(cloud);
-    const Replayed replayed = replay(journal, *cloud, history, progress);
+    const auto session = loadForWriting(options.in, options.out, progress, true);
+    const Replayed replayed = session->recover({options.journal, journal}, progress);
     if (!replayed.stopped.empty()) note(replayed.stopped);
     const bool whole = journal.damage.empty() && replayed.stopped.empty();
     if (!options.json)
         note(grouped(replayed.entries) + (replayed.entries == 1 ? " entry" : " entries") +
              " of the journal followed.");
     las::WriteOptions write;
-    write.compressed = las::isCompressedName(options.out);
     write.verify = !options.noVerify;
     write.replaceProtected = options.replaceProtected;
     write.upgrade = options.upgrade;
-    reportWritten(writeCloud(*cloud, options.out, write, progress), options.out, options.json,
+    reportWritten(saveSession(*session, options.out, write, progress), options.out, options.json,
                   {{"entries", replayed.entries}, {"whole", whole}});
     if (!whole) throw Reported();
 }

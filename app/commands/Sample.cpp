@@ -33,7 +33,8 @@ void runSample(const SampleOptions& options, Progress& progress)
     // there is no original to lose: whoever wants another copy makes one from the seed
     write.verify = false;
     write.replaceProtected = options.replaceProtected;
-    reportWritten(writeCloud(*cloud, options.out, write, progress), options.out, options.json);
+    reportWritten(withHints([&] { return las::write(*cloud, options.out, write, progress); }), options.out,
+                  options.json);
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ void History::push(std::unique_ptr<Command> command)
     {
         const std::lock_guard lock(m_mutex);
         m_commands.reserve(m_commands.size() + 1);  // whatever can fail fails before the points change
-        forgotten.reserve(m_commands.size() - m_done);
+        forgotten.reserve(m_commands.size() - m_done + 1);
     }
     if (const auto journal = this->journal()) journal->done(*command);
     command->dropRecipe();  // its set may be large
@@ -89,6 +89,11 @@ void History::push(std::unique_ptr<Command> command)
         forgotten.assign(std::make_move_iterator(undone), std::make_move_iterator(m_commands.end()));
         m_commands.erase(undone, m_commands.end());
         if (m_saved > std::ptrdiff_t(m_done)) m_saved = -1;
+        if (!m_room.undo) {
+            m_saved = -1;
+            forgotten.push_back(std::move(command));
+            return;
+        }
         m_commands.push_back(std::move(command));
         ++m_done;
     }

@@ -3,19 +3,20 @@
 
 #include "core/las/SourceFile.h"
 
+#include <utility>
+
 namespace punctum::render
 {
 
-CloudLoad::CloudLoad(const std::filesystem::path& path, OrderKind order)
-    : m_reader(las::Reader::open(path)),
-      m_cloud(m_reader->createCloud()),
-      m_store(std::make_shared<PointStore>(m_cloud, source()->sampledBounds, order))
+CloudLoad::CloudLoad(std::shared_ptr<Session> session, OrderKind order)
+    : m_session(std::move(session)),
+      m_store(std::make_shared<PointStore>(m_session->cloud(), m_session->source()->sampledBounds, order))
 {
 }
 
 las::ReadResult CloudLoad::read(Progress& progress) const
 {
-    return m_reader->read(*m_cloud, progress, [this](PointRange range) { m_store->fill(range); });
+    return m_session->read(progress, [this](PointRange range) { m_store->fill(range); });
 }
 
 }  // namespace punctum::render

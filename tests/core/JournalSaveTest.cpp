@@ -4,8 +4,7 @@
 #include "core/Error.h"
 #include "core/edit/History.h"
 #include "core/edit/Journal.h"
-#include "core/process/MakeCommand.h"
-#include "core/process/Replay.h"
+#include "core/session/Session.h"
 #include "tests/core/LasFiles.h"
 #include "tests/core/LoadAndSave.h"
 
@@ -38,64 +37,52 @@ void makeFile(const fs::path& path)
 }
 
 /// A file that is edited and saved in its place, with a journal of what is not saved, or without.
-struct Session {
+struct Work {
     fs::path path;
     fs::path journals;  ///< empty: none are kept
-    std::shared_ptr<PointCloud> cloud = lasfiles::load(path);
-    History history{cloud};
     Progress progress{};
+    std::shared_ptr<Session> session = opened();
 
-    void noteDown()
+    std::shared_ptr<Session> opened()
     {
-        if (journals.empty() || history.journal()) return;
-        if (history.modified()) throw Error("Edits came before the journal.");
-        const CloudKey key = keyOfFile(*cloud, progress);
-        history.setJournal(Journal::create(journals / (key.text() + ".journal"), key, path.string(),
-                                           cloud->source()->current->get().kept));
+        HistoryRoom room;
+        room.folder = journals;
+        auto result = Session::open(path, room);
+        result->read(progress);
+        return result;
     }
-    void run(const Recipe& recipe)
-    {
-        auto command = makeCommand(recipe, *cloud, progress);
-        if (!command) return;
-        noteDown();
-        history.push(std::move(command));
-    }
-    void undo()
-    {
-        noteDown();
-        history.undo();
-    }
-    void redo()
-    {
-        noteDown();
-        history.redo();
-    }
+    const PointCloud& cloud() const { return *session->cloud(); }
+    void run(const Recipe& recipe) { session->edit(recipe, progress); }
+    void undo() { session->undo(progress); }
+    void redo() { session->redo(progress); }
     void save()
     {
         las::WriteOptions options;
-        options.compressed = las::isCompressedName(path);
         options.upgrade = true;
-        las::write(*cloud, path, options, progress);
-        history.markSaved();
-        if (const auto journal = history.journal()) journal->remove();
-        history.setJournal(nullptr);
+        session->save({path, options, false, {}}, progress);
     }
-    std::string failure() const { return history.journal() ? history.journal()->failure() : std::string(); }
+    std::string failure() const
+    {
+        const auto journal = session->history().journal();
+        return journal ? journal->failure() : std::string();
+    }
 };
 
 /// What a program finds that opens the file after a crash.
-std::shared_ptr<PointCloud> recovered(const Session& session, std::string& trouble)
+std::shared_ptr<PointCloud> recovered(const Work& work, std::string& trouble)
 {
-    Progress progress;
-    auto cloud = lasfiles::load(session.path);
-    const fs::path journal = session.journals / (keyOf(*cloud, progress).text() + ".journal");
-    if (!fs::exists(journal)) return cloud;
-    const lasfiles::Bytes bytes = lasfiles::readFile(journal);
-    if (std::count(bytes.begin(), bytes.end(), std::byte('\n')) < 2) return cloud;  // it was being begun
-    const JournalContents contents = readJournal(journal);
-    History history(cloud);
-    trouble = replay(contents, *cloud, history, progress).stopped;
-    return cloud;
+    // the journal stays for the one that is killed: this one looks at a copy
+    const QTemporaryDir copies;
+    const fs::path folder = copies.path().toStdString();
+    if (fs::exists(work.journals)) fs::copy(work.journals, folder, fs::copy_options::overwrite_existing);
+    Work again{work.path, folder};
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const lasfiles::Bytes bytes = lasfiles::readFile(entry.path());
+        if (std::count(bytes.begin(), bytes.end(), std::byte('\n')) < 2) fs::remove(entry.path());  // was being begun
+    }
+    const auto journal = again.session->findJournal(again.progress);
+    if (journal) trouble = again.session->recover(*journal, again.progress).stopped;
+    return again.session->cloud();
 }
 
 /// Where they differ but for what the point format alone decides; empty: nowhere.
@@ -171,7 +158,7 @@ Recipe randomRecipe(std::mt19937_64& random)
 }
 
 /// The k-th of a row of random edits and saves.
-void act(Session& session, std::uint64_t seed, int k)
+void act(Work& session, std::uint64_t seed, int k)
 {
     std::mt19937_64 random(seed * 10'000 + std::uint64_t(k));
     const auto kind = random() % 100;
@@ -182,7 +169,7 @@ void act(Session& session, std::uint64_t seed, int k)
             session.redo();
         else if (kind < 56) {
             // what a file lacks cannot be noted when it is restored
-            if (!session.cloud->deleted()) session.save();
+            if (!session.cloud().deleted()) session.save();
         } else
             session.run(randomRecipe(random));
     } catch (const Error& e) {
@@ -197,7 +184,7 @@ void act(Session& session, std::uint64_t seed, int k)
 /// Edits until it is killed, and says after each edit that it is there.
 int editForever(const char* path, const char* journals, std::uint64_t seed)
 {
-    Session session{path, journals};
+    Work session{path, journals};
     for (int k = 0;; ++k) {
         act(session, seed, k);
         if (const std::string failure = session.failure(); !failure.empty()) {
@@ -226,14 +213,14 @@ private slots:
     {
         for (std::uint64_t seed = 1; seed <= 4; ++seed) {
             makeFile(m_path);
-            Session session{m_path, journals(seed)};
+            Work session{m_path, journals(seed)};
             for (int k = 0; k < 150; ++k) {
                 act(session, seed, k);
                 QCOMPARE(session.failure(), std::string());
                 std::string trouble;
                 const auto got = recovered(session, trouble);
                 QCOMPARE(trouble, std::string());
-                const std::string where = difference(*session.cloud, *got);
+                const std::string where = difference(session.cloud(), *got);
                 QVERIFY2(where.empty(), qPrintable(QStringLiteral("%1: seed %2, edit %3")
                                                        .arg(QString::fromStdString(where))
                                                        .arg(seed)
@@ -244,19 +231,19 @@ private slots:
 
     void theKeyIsOfTheFileThatWasWritten()
     {
-        Session session{m_path, journals(0)};
+        Work session{m_path, journals(0)};
         session.run({"set", {{"rule", "Classification = 40"}}, nullptr});
         session.save();
         QCOMPARE(int(lasfiles::load(m_path)->source()->layout.format), 6);
-        const CloudKey key = keyOfFile(*session.cloud, session.progress);
+        const CloudKey key = keyOfFile(session.cloud(), session.progress);
         QVERIFY(key == keyOf(*lasfiles::load(m_path), session.progress));
-        QVERIFY(!(key == keyOf(*session.cloud, session.progress)));
+        QVERIFY(!(key == keyOf(session.cloud(), session.progress)));
         // and where points were left out as well
         auto some = std::make_shared<PointSet>(kPoints);
         for (PointIndex i = 100; i < 200; ++i) some->insert(i);
         session.run({"delete", {}, some});
         session.save();
-        QVERIFY(keyOfFile(*session.cloud, session.progress) == keyOf(*lasfiles::load(m_path), session.progress));
+        QVERIFY(keyOfFile(session.cloud(), session.progress) == keyOf(*lasfiles::load(m_path), session.progress));
         session.run({"set", {{"rule", "Classification = 50 if Intensity > 30000"}}, nullptr});
         std::string trouble;
         const auto got = recovered(session, trouble);
@@ -264,23 +251,23 @@ private slots:
         QCOMPARE(got->size(), PointIndex(kPoints - 100));
         for (PointIndex i = 0; i < got->size(); ++i)
             QCOMPARE(got->findAttribute("Classification")->number(i),
-                     session.cloud->findAttribute("Classification")->number(i < 100 ? i : i + 100));
+                     session.cloud().findAttribute("Classification")->number(i < 100 ? i : i + 100));
         // a file that somebody else has changed is not the one that was saved
         session.save();
         makeFile(m_path);
-        QVERIFY_THROWS_EXCEPTION(Error, keyOfFile(*session.cloud, session.progress));
+        QVERIFY_THROWS_EXCEPTION(Error, keyOfFile(session.cloud(), session.progress));
     }
 
     /// Points that the file lacks: what restores them has no entry, and nothing while they are restored.
     void aGapEndsWithWhatMadeIt()
     {
-        Session session{m_path, journals(0)};
+        Work session{m_path, journals(0)};
         auto some = std::make_shared<PointSet>(kPoints);
         for (PointIndex i = 100; i < 200; ++i) some->insert(i);
         session.run({"set", {{"rule", "UserData = 3"}}, nullptr});
         session.run({"delete", {}, some});
         session.save();
-        const auto entries = [&] { return readJournal(session.history.journal()->path()).entries.size(); };
+        const auto entries = [&] { return readJournal(session.session->history().journal()->path()).entries.size(); };
         session.undo();
         QVERIFY(session.failure().find("were deleted when the file was saved") != std::string::npos);
         QCOMPARE(entries(), std::size_t(0));
@@ -302,7 +289,7 @@ private slots:
         std::size_t most = 0;
         for (std::uint64_t round = 0; round < 40; ++round) {
             makeFile(m_path);
-            const Session found{m_path, journals(round)};
+            const Work found{m_path, journals(round)};
             QProcess child;
             child.setProcessChannelMode(QProcess::ForwardedErrorChannel);
             child.start(QCoreApplication::applicationFilePath(),
@@ -320,12 +307,12 @@ private slots:
             QCOMPARE(trouble, std::string());
             const fs::path copy = m_path.parent_path() / "b.las";
             makeFile(copy);
-            Session expected{copy, {}};
+            Work expected{copy, {}};
             for (int k = 0; k < said; ++k) act(expected, round, k);
-            std::string where = difference(*expected.cloud, *got);
+            std::string where = difference(expected.cloud(), *got);
             if (!where.empty()) {  // what was begun when it was killed may be there, too
                 act(expected, round, said);
-                where = difference(*expected.cloud, *got);
+                where = difference(expected.cloud(), *got);
             }
             QVERIFY2(where.empty(), qPrintable(QStringLiteral("%1: round %2, after %3 edits")
                                                    .arg(QString::fromStdString(where))

@@ -68,7 +68,7 @@ struct RuleBench : Bench {
     }
     bool untouched()
     {
-        return valuesNow() == columns && document->data()->history->position() == 0 && !document->modified() &&
+        return valuesNow() == columns && document->history().position() == 0 && !document->modified() &&
                !window->isWindowModified() && !points();
     }
     /// Presses Preview for this rule, until its points are counted and the view no longer shows `before`.
@@ -87,7 +87,7 @@ struct RuleBench : Bench {
     /// Until all slots hold the word that `expected` gives for their point.
     bool words(const std::function<std::uint32_t(PointIndex)>& expected)
     {
-        const render::PointStore& store = *document->data()->store;
+        const render::PointStore& store = *document->store();
         const auto alike = [&] {
             for (PointIndex i = 0; i < document->points(); ++i)
                 if (store.words()[store.order().slotOf(i)] != expected(i)) return false;

@@ -313,11 +313,11 @@ private slots:
             [&](PointIndex i) { return b.has(i) && classes.number(i) != 6; }));
         // what was selected since then is taken back first: the rectangle, and that nothing was
         for (int step = 0; step < 3; ++step) {
-            QCOMPARE(b.document->data()->history->position(), std::size_t(1));
+            QCOMPARE(b.document->history().position(), std::size_t(1));
             QTest::keyClick(&b.view(), Qt::Key_Z, Qt::ControlModifier);
             QVERIFY(b.done());
         }
-        QVERIFY(waitFor([&] { return b.document->data()->history->position() == 0; }, 20000) && b.done());
+        QVERIFY(waitFor([&] { return b.document->history().position() == 0; }, 20000) && b.done());
         for (PointIndex i = 0; i < before.size(); ++i) QCOMPARE(int(classes.number(i)), before[i]);
     }
 

@@ -82,9 +82,9 @@ struct Bench : TestWindow {
     }
     bool runEdit(const std::function<void()>& edit)
     {
-        const std::size_t before = document->data()->history->position();
+        const std::size_t before = document->history().position();
         edit();
-        return waitFor([&] { return document->data()->history->position() > before; }) && done();
+        return waitFor([&] { return document->history().position() > before; }) && done();
     }
 
     glm::dvec2 px(PointIndex i)

@@ -289,9 +289,9 @@ private slots:
         for (PointIndex i = 0; i < before.size(); ++i)
             QCOMPARE(int(classes.number(i)), points->contains(i) ? 6 : before[i]);
         QVERIFY(b.window->isWindowModified());
-        QCOMPARE(b.document->data()->history->undoName(), std::string("Set Classification = 6"));
+        QCOMPARE(b.document->history().undoName(), std::string("Set Classification = 6"));
         QTest::keyClick(&b.view(), Qt::Key_Z, Qt::ControlModifier);
-        QVERIFY(waitFor([&] { return b.document->data()->history->position() == 0; }) && b.done());
+        QVERIFY(waitFor([&] { return b.document->history().position() == 0; }) && b.done());
         for (PointIndex i = 0; i < before.size(); ++i) QCOMPARE(int(classes.number(i)), before[i]);
         // the history can be walked
         QListWidget& list = b.window->historyDock().list();
@@ -301,10 +301,10 @@ private slots:
         QCOMPARE(list.item(1)->data(HistoryDock::kCountRole).toString(), countText(points->count()));
         QVERIFY2(list.toolTip().contains(kept), qPrintable(list.toolTip()));
         QTest::mouseClick(list.viewport(), Qt::LeftButton, {}, list.visualItemRect(list.item(1)).center());
-        QVERIFY(waitFor([&] { return b.document->data()->history->position() == 1; }) && b.done());
+        QVERIFY(waitFor([&] { return b.document->history().position() == 1; }) && b.done());
         points->forEach([&](PointIndex i) { QCOMPARE(int(classes.number(i)), 6); });
         QTest::mouseClick(list.viewport(), Qt::LeftButton, {}, list.visualItemRect(list.item(0)).center());
-        QVERIFY(waitFor([&] { return b.document->data()->history->position() == 0; }) && b.done());
+        QVERIFY(waitFor([&] { return b.document->history().position() == 0; }) && b.done());
         for (PointIndex i = 0; i < before.size(); ++i) QCOMPARE(int(classes.number(i)), before[i]);
         // from one class to another
         QVERIFY(b.runEdit([&] { b.window->editDock().setClass(9, 2); }));
@@ -333,7 +333,7 @@ private slots:
             QVERIFY(b.runEdit([&] { b.key(Qt::Key_6); }));
             QVERIFY(b.runEdit([&] { b.window->editDock().setClass(9, 6); }));
             QTest::keyClick(&b.view(), Qt::Key_Z, Qt::ControlModifier);
-            QVERIFY(waitFor([&] { return b.document->data()->history->position() == 1; }) && b.done());
+            QVERIFY(waitFor([&] { return b.document->history().position() == 1; }) && b.done());
             const Attribute classes = *b.document->findAttribute(QStringLiteral("Classification"));
             for (PointIndex i = 0; i < b.document->points(); ++i) expected.push_back(classes.number(i));
             QCOMPARE(found().size(), 1);
@@ -351,7 +351,7 @@ private slots:
                 answer(RecoveryAnswer::Recover);
             };
             QVERIFY(b.begin(Tool::None, file));
-            QVERIFY(waitFor([&] { return b.document->data()->history->position() == 1; }) && b.done());
+            QVERIFY(waitFor([&] { return b.document->history().position() == 1; }) && b.done());
             QVERIFY2(told.contains(QLatin1String("this edit of a.laz")), qPrintable(told));
             QVERIFY2(told.contains(QLatin1String("Set Classification = 6")), qPrintable(told));
             const Attribute classes = *b.document->findAttribute(QStringLiteral("Classification"));
@@ -370,7 +370,7 @@ private slots:
         };
         QVERIFY(b.begin(Tool::None, file));
         QVERIFY(b.done());
-        QCOMPARE(b.document->data()->history->position(), std::size_t(0));
+        QCOMPARE(b.document->history().position(), std::size_t(0));
     }
 
     /// Asked later, nothing is lost; set aside, the window gives it back.
@@ -410,7 +410,7 @@ private slots:
             QVERIFY(b.document && waitFor([&] { return box() != nullptr; }));
             QTest::keyClick(box(), Qt::Key_Escape);
             QVERIFY(waitFor([&] { return box() == nullptr; }) && b.done());
-            QCOMPARE(b.document->data()->history->position(), std::size_t(0));
+            QCOMPARE(b.document->history().position(), std::size_t(0));
             QCOMPARE(found(QStringLiteral("journal")), QStringList{name});
             b.window->workspace().close(*b.document);
             QVERIFY(b.done());
@@ -440,7 +440,7 @@ private slots:
         QTest::mouseClick(&list->recoverButton(), Qt::LeftButton);
         QVERIFY(waitFor([&] { return b.window->workspace().documents().size() == 2; }));
         b.document = b.window->workspace().documents()[1];
-        QVERIFY(waitFor([&] { return b.document->data()->history->position() == 1; }) && b.done());
+        QVERIFY(waitFor([&] { return b.document->history().position() == 1; }) && b.done());
         QCOMPARE(b.document->path(), file);
         QVERIFY(b.document->modified());
         // it is noted on from there, as the journal of what is not saved
@@ -461,7 +461,7 @@ private slots:
             QTest::keyClick(&b.view(), Qt::Key_Y, Qt::ControlModifier);
             return b.done();
         };
-        const auto edits = [&] { return b.document->data()->history->position(); };
+        const auto edits = [&] { return b.document->history().position(); };
         b.drag(b.at(0.3, 0.3), b.at(0.5, 0.5));
         QVERIFY(b.done() && b.points());
         const PointSet first = *b.points();
@@ -497,7 +497,7 @@ private slots:
         b.drag(b.at(0.3, 0.3), b.at(0.6, 0.6));
         QVERIFY(b.done() && b.points());
         const auto deleted = [&] { return b.document->deletedPoints(); };
-        const auto position = [&] { return b.document->data()->history->position(); };
+        const auto position = [&] { return b.document->history().position(); };
         const auto point = [&](PointIndex i) { return MeasuredPoint{i, b.document->cloud()->world(i)}; };
         b.window->measurements().add(*b.document, MeasureKind::Distance, {point(0), point(1)});
         QTreeWidget& list = b.window->measureDock().list();
@@ -545,8 +545,7 @@ private slots:
         b.window->save();
         QVERIFY(waitFor([&] { return !b.window->isWindowModified(); }) && b.done());
         QTest::keyClick(&b.view(), Qt::Key_Z, Qt::ControlModifier);
-        QVERIFY(waitFor([&] { return b.document->data()->history->position() == 0; }) && b.done());
-        QVERIFY(!b.document->data()->journalTold);
+        QVERIFY(waitFor([&] { return b.document->history().position() == 0; }) && b.done());
         const QDir journals(folder.filePath(QStringLiteral("journals")));
         const QStringList found = journals.entryList({QStringLiteral("*.journal")}, QDir::Files);
         QCOMPARE(found.size(), 1);
@@ -568,10 +567,10 @@ private slots:
                       settings = folder.filePath(QStringLiteral("s.ini"));
         QVERIFY(QFile::copy(surveyFile(), file));
         const auto press = [](Bench& b, Qt::Key key, Qt::KeyboardModifiers modifiers) {
-            const auto history = b.document->data()->history;
-            const std::size_t before = history->position();
+            const History& history = b.document->history();
+            const std::size_t before = history.position();
             QTest::keyClick(&b.view(), key, modifiers);
-            return waitFor([&] { return history->position() != before; }) && b.done();
+            return waitFor([&] { return history.position() != before; }) && b.done();
         };
         Bench b(settings);
         QVERIFY(b.begin(Tool::Rectangle, file));

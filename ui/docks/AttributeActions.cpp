@@ -110,7 +110,7 @@ void AttributeActions::run(const QString& title, const Recipe& recipe, std::func
     Document* const document = m_model.document();
     if (!document || document->loading()) return;
     m_workspace.edit(*document, title, recipe,
-                     [this, title, done = std::move(done)](const JobInfo& info, const Workspace::EditOutcome&) {
+                     [this, title, done = std::move(done)](const JobInfo& info, const EditOutcome&) {
                          if (info.state == JobState::Failed)
                              m_workspace.say(MessageKind::Error, tr("%1: %2").arg(title, toQString(info.error)));
                          if (info.state == JobState::Finished && done) done();

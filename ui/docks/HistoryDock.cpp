@@ -86,7 +86,7 @@ void HistoryDock::fill()
     QString tip = tr("Click an edit to go back or forward to the state after it");
     std::size_t position = 0;
     if (m_document) {
-        const History& history = *m_document->data()->history;
+        const History& history = m_document->history();
         names << tr("Opened");
         for (const std::string& name : history.names()) names << toQString(name);
         counts << QString();

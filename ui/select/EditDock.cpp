@@ -346,8 +346,7 @@ void EditDock::run(const Recipe& recipe, const QString& title, bool typed)
 {
     if (!ready()) return;
     m_job = m_workspace.edit(
-        *m_document, title, recipe,
-        [this, title, typed](const JobInfo& info, const Workspace::EditOutcome& outcome) {
+        *m_document, title, recipe, [this, title, typed](const JobInfo& info, const EditOutcome& outcome) {
             m_job = 0;
             m_preview->end();
             takeState();

@@ -450,7 +450,7 @@ void Selection::noteStep(Document& document, Kind kind, const QString& title, co
     SelectionSteps& steps = m_steps[&document];
     switch (kind) {
         case Kind::New:
-            return steps.push({title, document.data()->history->position(), keep(document, before.points)});
+            return steps.push({title, document.history().position(), keep(document, before.points)});
         case Kind::Undo:
             return steps.moveBack(keep(document, before.points));
         case Kind::Redo:

@@ -19,7 +19,7 @@ UndoOrder::Next UndoOrder::nextUndo() const
 {
     const Document* const document = m_workspace.active();
     if (!document || document->loading()) return {};
-    const History& history = *document->data()->history;
+    const History& history = document->history();
     const SelectionSteps::Step* const step = m_selection.nextUndo();
     // it was done after all edits that are in force
     if (step && (step->edits >= history.position() || !history.canUndo())) return {true, true, step->name};
@@ -30,7 +30,7 @@ UndoOrder::Next UndoOrder::nextRedo() const
 {
     const Document* const document = m_workspace.active();
     if (!document || document->loading()) return {};
-    const History& history = *document->data()->history;
+    const History& history = document->history();
     const SelectionSteps::Step* const step = m_selection.nextRedo();
     if (step && (step->edits <= history.position() || !history.canRedo())) return {true, true, step->name};
     return {history.canRedo(), false, toQString(history.redoName())};

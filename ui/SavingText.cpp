@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "ui/Saving.h"
+#include "ui/SavingText.h"
 
-#include "core/Error.h"
-#include "core/edit/History.h"
-#include "core/task/Progress.h"
-#include "ui/Document.h"
-#include "ui/Recovery.h"
 #include "ui/Text.h"
 
 #include <QCoreApplication>
@@ -24,21 +19,6 @@ QString tr(const char* text)
     return QCoreApplication::translate("Saving", text);
 }
 
-/// For a look ahead: it shows an upgrade, whoever has to be asked for it.
-las::WriteOptions optionsFor(const std::filesystem::path& target)
-{
-    las::WriteOptions options;
-    options.upgrade = true;
-    options.compressed = las::isCompressedName(target);
-    return options;
-}
-
-std::uint64_t editsOf(OpenCloud& data)
-{
-    const std::lock_guard gate(data.editGate);
-    return data.edits;
-}
-
 QString notesText(const std::vector<std::string>& notes)
 {
     QStringList sentences;
@@ -47,50 +27,6 @@ QString notesText(const std::vector<std::string>& notes)
 }
 
 }  // namespace
-
-Forecast foresee(OpenCloud& data, const std::filesystem::path& original, const std::filesystem::path& target,
-                 Progress& progress)
-{
-    Forecast forecast;
-    forecast.edits = editsOf(data);
-    forecast.preview = las::previewSave(*data.cloud, original, target, optionsFor(target), progress);
-    return forecast;
-}
-
-QString unsavedChanges(OpenCloud& data, const std::filesystem::path& original, Progress& progress)
-{
-    const auto changes = data.history->changes(progress);
-    const las::SavePreview preview = las::previewSave(*data.cloud, original, original, optionsFor(original),
-                                                      progress, changes ? &*changes : nullptr);
-    return toQString(las::summary(preview.difference));
-}
-
-SaveOutcome saveCloud(OpenCloud& data, const std::filesystem::path& original, const std::filesystem::path& target,
-                      std::optional<Forecast> forecast, las::WriteOptions options, Progress& progress)
-{
-    const std::uint64_t edits = editsOf(data);
-    if (!forecast || forecast->edits != edits) {
-        try {
-            forecast = foresee(data, original, target, progress);
-        } catch (const Error&) {
-            forecast.reset();  // what cannot be written either is told by write()
-        }
-    }
-    SaveOutcome outcome;
-    options.compressed = las::isCompressedName(target);
-    outcome.report = las::write(*data.cloud, target, options, progress);
-    const std::lock_guard gate(data.editGate);
-    outcome.disturbed = data.edits != edits;
-    if (outcome.disturbed)
-        data.history->forgetSaved();
-    else
-        data.history->markSaved();
-    Recovery::dropJournal(data);
-    data.journalTold = outcome.disturbed;  // the message says so
-    outcome.compared = !outcome.disturbed && forecast && forecast->edits == edits;
-    if (outcome.compared) outcome.preview = std::move(forecast->preview);
-    return outcome;
-}
 
 QString savedText(const SaveOutcome& outcome, const std::filesystem::path& target)
 {

@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: MIT
+#include "core/session/Session.h"
+
+#include "core/Error.h"
+#include "core/edit/CloudKey.h"
+#include "core/edit/Command.h"
+#include "core/edit/Extract.h"
+#include "core/edit/Journal.h"
+#include "core/las/SourceFile.h"
+#include "core/process/MakeCommand.h"
+#include "core/session/KeptJournals.h"
+#include "core/task/Progress.h"
+
+#include <algorithm>
+#include <shared_mutex>
+#include <system_error>
+#include <utility>
+
+namespace punctum
+{
+
+namespace fs = std::filesystem;
+
+namespace
+{
+
+std::vector<std::string> attributeNames(const PointCloud& cloud)
+{
+    const std::shared_lock lock(cloud.mutex());
+    std::vector<std::string> names;
+    for (const Attribute& attribute : cloud.attributes()) names.push_back(attribute.name);
+    return names;
+}
+
+/// Whether the folder has a journal of a cloud with so many points: only then it is worth reading them all.
+bool mayHaveJournal(const fs::path& folder, PointIndex points)
+{
+    const std::string beginning = std::to_string(points) + "-";
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with(beginning) && name.ends_with(kJournalEnding)) return true;
+    }
+    return false;
+}
+
+bool sameFile(const fs::path& a, const fs::path& b)
+{
+    std::error_code ignored;
+    return a == b || fs::equivalent(a, b, ignored);
+}
+
+/// For a look ahead: it shows an upgrade, whoever has to be asked for it.
+las::WriteOptions lookAhead(const fs::path& target)
+{
+    las::WriteOptions options;
+    options.upgrade = true;
+    options.compressed = las::isCompressedName(target);
+    return options;
+}
+
+}  // namespace
+
+std::shared_ptr<Session> Session::open(const fs::path& file, HistoryRoom room)
+{
+    return std::shared_ptr<Session>(new Session(file, std::move(room)));
+}
+
+Session::Session(const fs::path& file, HistoryRoom room)
+    : m_opened(file),
+      m_reader(las::Reader::open(file)),
+      m_source(m_reader->source()),
+      m_cloud(m_reader->createCloud()),
+      m_folder(room.folder),
+      m_history(std::make_unique<History>(m_cloud, std::move(room))),
+      m_damaged(m_source->recovered),
+      m_path(file)
+{
+}
+
+Session::~Session() = default;
+
+las::ReadResult Session::read(Progress& progress, const las::Reader::BatchSink& sink)
+{
+    las::ReadResult result = m_reader->read(*m_cloud, progress, sink);
+    if (!result.missing.empty()) m_damaged = true;
+    m_reader.reset();  // closes the file
+    return result;
+}
+
+void Session::close() noexcept
+{
+    const std::lock_guard gate(m_gate);
+    dropJournal();
+}
+
+fs::path Session::path() const
+{
+    const std::lock_guard lock(m_mutex);
+    return m_path;
+}
+
+// -- editing
+
+EditOutcome Session::edit(const Recipe& recipe, Progress& progress)
+{
+    const auto before = attributeNames(*m_cloud);
+    auto command = makeCommand(recipe, *m_cloud, progress);
+    EditOutcome outcome;
+    if (!command) return outcome;
+    progress.check();
+    outcome.changed = command->changedPoints();
+    progress.begin("Changing points", 1);
+    {
+        const std::lock_guard gate(m_gate);
+        noteDown(progress);
+        progress.check();
+        ++m_edits;
+        m_history->push(std::move(command));
+    }
+    for (std::string& name : attributeNames(*m_cloud))
+        if (std::find(before.begin(), before.end(), name) == before.end())
+            outcome.newAttributes.push_back(std::move(name));
+    return outcome;
+}
+
+void Session::walk(std::size_t position, Progress& progress)
+{
+    progress.begin("Changing points", 1);
+    const std::lock_guard gate(m_gate);
+    while (m_history->position() != position) {
+        progress.check();
+        const bool forward = m_history->position() < position;
+        if (forward ? !m_history->canRedo() : !m_history->canUndo()) break;  // others have been here meanwhile
+        noteDown(progress);
+        ++m_edits;
+        forward ? m_history->redo() : m_history->undo();
+    }
+}
+
+void Session::undo(Progress& progress)
+{
+    if (const std::size_t position = m_history->position(); position > 0) walk(position - 1, progress);
+}
+
+void Session::redo(Progress& progress)
+{
+    walk(m_history->position() + 1, progress);
+}
+
+std::uint64_t Session::edits() const
+{
+    const std::lock_guard gate(m_gate);
+    return m_edits;
+}
+
+std::optional<std::uint64_t> Session::editsInFile() const
+{
+    const std::lock_guard gate(m_gate);
+    return m_history->modified() ? std::nullopt : std::optional(m_edits);
+}
+
+void Session::warn(const std::string& sentence)
+{
+    const std::lock_guard lock(m_mutex);
+    m_warnings.push_back(sentence);
+}
+
+std::vector<std::string> Session::takeWarnings()
+{
+    std::vector<std::string> warnings;
+    {
+        const std::lock_guard lock(m_mutex);
+        warnings.swap(m_warnings);
+    }
+    if (std::string warning = m_history->takeWarning(); !warning.empty()) warnings.push_back(std::move(warning));
+    return warnings;
+}
+
+// -- the journal (docs/dev/journal.md)
+
+fs::path Session::journalPath(const CloudKey& key) const
+{
+    return m_folder / (key.text() + kJournalEnding);
+}
+
+/// The cloud is about to change, with the gate held: begins the journal where there is none. What keeps it from
+/// that is told once, and never stops the edit.
+void Session::noteDown(Progress& progress) noexcept
+{
+    if (m_folder.empty()) return;
+    const auto tell = [&](const std::string& reason) {
+        if (!std::exchange(m_unnotedTold, true)) warn("A crash would lose the edits from here on: " + reason);
+    };
+    try {
+        if (const auto journal = m_history->journal()) {
+            const std::string failure = journal->failure();
+            if (failure.empty())
+                m_unnotedTold = false;
+            else
+                tell(failure);
+            return;
+        }
+        if (m_history->modified())
+            return tell("edits came before, and a journal begins with what is in the file. Save once.");
+        const CloudKey key = keyOfFile(*m_cloud, progress);
+        std::shared_ptr<Journal> journal =
+            Journal::create(journalPath(key), key, m_opened.string(), m_source->current->get().kept);
+        if (!journal->setAside().empty())
+            warn("Unsaved edits of before a crash have not been recovered; File > Recover Edits has them.");
+        m_history->setJournal(std::move(journal));
+        m_unnotedTold = false;
+    } catch (const std::exception& e) {  // cancelled as well: the edit will be, too
+        if (!progress.cancelled()) tell(e.what());
+    }
+}
+
+void Session::dropJournal() noexcept
+{
+    if (const auto journal = m_history->journal()) journal->remove();
+    m_history->setJournal(nullptr);
+}
+
+std::optional<FoundJournal> Session::findJournal(Progress& progress) const
+{
+    if (m_folder.empty() || m_damaged || !mayHaveJournal(m_folder, m_cloud->size())) return {};
+    const std::lock_guard gate(m_gate);
+    if (m_history->position() != 0) return {};  // somebody was quicker
+    const fs::path path = journalPath(keyOf(*m_cloud, progress));
+    if (!fs::exists(path) || isJournalInUse(path)) return {};
+    return FoundJournal{path, readJournal(path)};
+}
+
+Replayed Session::recover(const FoundJournal& journal, Progress& progress)
+{
+    const std::lock_guard gate(m_gate);
+    if (m_history->position() != 0)
+        throw Error(
+            "The points were edited first, so that the edits of before the crash cannot be done again now. Undo "
+            "what "
+            "was edited; then File > Recover Edits does them.");
+    ++m_edits;
+    Replayed replayed = replay(journal.contents, *m_cloud, *m_history, progress);
+    // what could not be followed stays in the file, for punctum replay
+    if (replayed.stopped.empty() && !m_folder.empty()) goOn(journal.path, journal.contents.key);
+    return replayed;
+}
+
+/// A journal that has been followed becomes the one that is kept on.
+void Session::goOn(const fs::path& journal, const CloudKey& key)
+{
+    if (m_history->journal()) {  // an edit began one meanwhile, and was undone: it has noted all down
+        fs::remove(journal);
+        return;
+    }
+    const fs::path place = journalPath(key);
+    if (journal != place) {
+        if (fs::exists(place)) setJournalAside(place);
+        fs::rename(journal, place);
+    }
+    m_history->setJournal(Journal::resume(place));
+}
+
+void Session::setAside(const fs::path& journal)
+{
+    const std::lock_guard gate(m_gate);
+    // an edit that came first has set it aside already, and writes another one there
+    if (fs::exists(journal) && !isJournalInUse(journal)) setJournalAside(journal);
+}
+
+// -- saving
+
+void Session::checkTarget(const fs::path& target) const
+{
+    if (m_damaged && sameFile(target, m_opened))
+        throw Error(m_opened,
+                    "Some of this file could not be read; write under another name, so that the original is kept.");
+}
+
+Forecast Session::foresee(const fs::path& target, Progress& progress) const
+{
+    Forecast forecast;
+    forecast.edits = edits();
+    forecast.preview = las::previewSave(*m_cloud, path(), target, lookAhead(target), progress);
+    return forecast;
+}
+
+std::string Session::unsavedChanges(Progress& progress) const
+{
+    const auto changes = m_history->changes(progress);
+    const fs::path original = path();
+    const las::SavePreview preview = las::previewSave(*m_cloud, original, original, lookAhead(original), progress,
+                                                      changes ? &*changes : nullptr);
+    return las::summary(preview.difference);
+}
+
+SaveOutcome Session::save(SaveRequest request, Progress& progress)
+{
+    checkTarget(request.target);
+    const std::uint64_t before = edits();
+    std::optional<Forecast> forecast = std::move(request.forecast);
+    if (request.compare && (!forecast || forecast->edits != before)) {
+        try {
+            forecast = foresee(request.target, progress);
+        } catch (const Error&) {
+            forecast.reset();  // what cannot be written either is told by write()
+        }
+    }
+    SaveOutcome outcome;
+    request.options.compressed = las::isCompressedName(request.target);
+    outcome.report = las::write(*m_cloud, request.target, request.options, progress);
+    const std::lock_guard gate(m_gate);
+    outcome.disturbed = m_edits != before;
+    if (outcome.disturbed)
+        m_history->forgetSaved();
+    else
+        m_history->markSaved();
+    dropJournal();
+    m_unnotedTold = outcome.disturbed;  // whoever saves tells it
+    outcome.compared = request.compare && !outcome.disturbed && forecast && forecast->edits == before;
+    if (outcome.compared) outcome.preview = std::move(forecast->preview);
+    const std::lock_guard lock(m_mutex);
+    m_path = request.target;
+    return outcome;
+}
+
+las::WriteReport Session::extract(const PointSet& points, const fs::path& target, las::WriteOptions options,
+                                  Progress& progress) const
+{
+    if (sameFile(target, path()) || sameFile(target, m_opened))
+        throw Error(target,
+                    "this is the file that is open; points that are left out would be lost. Choose another name.");
+    options.compressed = las::isCompressedName(target);
+    options.copyChunks = false;
+    return las::write(*extracted(*m_cloud, points, progress), target, options, progress);
+}
+
+}  // namespace punctum

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/edit/History.h"
+#include "core/edit/HistoryRoom.h"
+#include "core/edit/JournalText.h"
+#include "core/edit/Recipe.h"
+#include "core/las/Diff.h"
+#include "core/las/Reader.h"
+#include "core/process/Replay.h"
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace punctum
+{
+
+/// What a save is going to change, and after how many edits that was true.
+struct Forecast {
+    las::SavePreview preview;
+    std::uint64_t edits = 0;
+};
+
+/// How to save.
+struct SaveRequest {
+    std::filesystem::path target;  ///< LAS or LAZ by its ending
+    las::WriteOptions options;     ///< but for `compressed`, which the target's name decides
+    bool compare = true;           ///< tell what changed in the file; reads it once more, where no forecast holds
+    std::optional<Forecast> forecast;
+};
+
+/// What came of a save.
+struct SaveOutcome {
+    las::WriteReport report;
+    las::SavePreview preview;  ///< A: the file before; B: the file now
+    bool compared = false;     ///< it was asked for, there was a file, and no edit came in between
+    bool disturbed = false;    ///< points were edited while the file was written: it lacks these edits
+};
+
+/// What came of an edit.
+struct EditOutcome {
+    PointIndex changed = 0;                  ///< points whose values differ now, or that are deleted or back
+    std::vector<std::string> newAttributes;  ///< names
+};
+
+/// A journal that is about the points of a session.
+struct FoundJournal {
+    std::filesystem::path path;
+    JournalContents contents;
+};
+
+/// One cloud that is open: the file that holds it, its points, the history of its edits, and a journal of those
+/// that are not saved. Whoever opens, edits, saves and recovers does so here, so that the order is the same for
+/// all: an edit is in the journal before it is done, and a save that missed an edit does not call it saved.
+///
+/// Example (docs/dev/example/classify.cpp is a whole program):
+///     const auto session = Session::open("a.laz");
+///     session->read(progress);
+///     session->edit({"set", {{"rule", "Classification = 7 if Z < 0"}}, nullptr}, progress);
+///     session->save({"b.laz", {}}, progress);
+///
+/// Threads: any. What takes a Progress is long, and belongs in a job; edits and undo take turns, guarded inside,
+/// and may come while a save goes on. All of it throws Error with one sentence, or Cancelled, with points and files
+/// as they were. A listener of the cloud must call none of it that changes points.
+class Session
+{
+public:
+    /// Reads the header and what else is no point. `room`: what may be kept for undo; in its folder unsaved edits
+    /// are noted down as well, in case of a crash. Without a folder there is no journal.
+    static std::shared_ptr<Session> open(const std::filesystem::path& file, HistoryRoom room = {});
+    /// What is unsaved stays in its journal, as after a crash; close() is the way to end in order.
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    /// Reads all points, once, before anything of what follows. `sink` as in las::Reader::read().
+    las::ReadResult read(Progress& progress, const las::Reader::BatchSink& sink = {});
+    /// There is nothing to recover any more: what is unsaved is given up.
+    void close() noexcept;
+
+    const std::shared_ptr<PointCloud>& cloud() const noexcept { return m_cloud; }
+    const std::shared_ptr<const las::SourceFile>& source() const noexcept { return m_source; }
+    const History& history() const noexcept { return *m_history; }
+    const std::filesystem::path& openedPath() const noexcept { return m_opened; }
+    /// Of the file that holds the cloud: the one that was opened, later the one that it was saved to.
+    std::filesystem::path path() const;
+    /// Something of the file that was opened could not be read: it may not be replaced.
+    bool damaged() const noexcept { return m_damaged; }
+
+    // -- editing
+
+    /// Makes the recipe's command and does it, as one step of the history.
+    EditOutcome edit(const Recipe& recipe, Progress& progress);
+    /// Undoes or redoes until so many of the history's commands are in force, or there are no more.
+    void walk(std::size_t position, Progress& progress);
+    void undo(Progress& progress);  ///< nothing when there is nothing to undo
+    void redo(Progress& progress);
+    /// Edits, undos and redos so far. Waits for one that goes on.
+    std::uint64_t edits() const;
+    /// edits(), while the points are those of the file at path(); else nothing.
+    std::optional<std::uint64_t> editsInFile() const;
+    /// Sentences for the user that came up meanwhile: that edits are not noted down, that undo takes memory. Each
+    /// comes once.
+    std::vector<std::string> takeWarnings();
+
+    // -- saving
+
+    /// Throws Error when saving there would lose something: the file is damaged, and its rest would be gone.
+    void checkTarget(const std::filesystem::path& target) const;
+    /// Compares the cloud with path(), as saving it to `target` would write it, point by point.
+    Forecast foresee(const std::filesystem::path& target, Progress& progress) const;
+    /// In one line, what saving to path() would change; quick, as the history says. Empty when nothing.
+    std::string unsavedChanges(Progress& progress) const;
+    /// Writes and verifies the file, whole or not at all, and marks the state as saved. Throws las::WriteQuestion
+    /// where the user must say more.
+    SaveOutcome save(SaveRequest request, Progress& progress);
+    /// Writes these points alone to another file than path(); nothing counts as saved. All points that are not
+    /// among them would be lost otherwise.
+    las::WriteReport extract(const PointSet& points, const std::filesystem::path& target, las::WriteOptions options,
+                             Progress& progress) const;
+
+    // -- recovering
+
+    /// The journal of before a crash that is about these points. Nothing: there is none that can be followed, or
+    /// points were edited already.
+    std::optional<FoundJournal> findJournal(Progress& progress) const;
+    /// Does again what a journal tells, and goes on with it, unless it could not be followed to its end. Throws
+    /// Error when points were edited first.
+    Replayed recover(const FoundJournal& journal, Progress& progress);
+    /// It is not found again, and kept for whoever wants to follow it; nothing happens where an edit was quicker.
+    void setAside(const std::filesystem::path& journal);
+
+private:
+    Session(const std::filesystem::path& file, HistoryRoom room);
+    std::filesystem::path journalPath(const CloudKey& key) const;
+    void noteDown(Progress& progress) noexcept;
+    void dropJournal() noexcept;
+    void goOn(const std::filesystem::path& journal, const CloudKey& key);
+    void warn(const std::string& sentence);
+
+    std::filesystem::path m_opened;
+    std::unique_ptr<las::Reader> m_reader;
+    std::shared_ptr<const las::SourceFile> m_source;
+    std::shared_ptr<PointCloud> m_cloud;
+    std::filesystem::path m_folder;  ///< of journals; empty: none are kept
+    std::unique_ptr<History> m_history;
+    std::atomic<bool> m_damaged;
+    /// Held while the history moves, and while "saved" is noted down: a save never marks an edit that it missed.
+    mutable std::mutex m_gate;
+    std::uint64_t m_edits = 0;     ///< guarded by m_gate
+    bool m_unnotedTold = false;    ///< that edits are not noted down; guarded by m_gate
+    mutable std::mutex m_mutex;    ///< guards what follows
+    std::filesystem::path m_path;  ///< path()
+    std::vector<std::string> m_warnings;
+};
+
+}  // namespace punctum
