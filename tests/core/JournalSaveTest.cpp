@@ -61,8 +61,11 @@ struct Work {
         options.upgrade = true;
         session->save({path, options, false, {}}, progress);
     }
+    /// Why a crash would lose edits; empty: it would not.
     std::string failure() const
     {
+        const auto warnings = session->takeWarnings();
+        if (!warnings.empty()) return warnings.front();
         const auto journal = session->history().journal();
         return journal ? journal->failure() : std::string();
     }
@@ -74,11 +77,12 @@ std::shared_ptr<PointCloud> recovered(const Work& work, std::string& trouble)
     // the journal stays for the one that is killed: this one looks at a copy
     const QTemporaryDir copies;
     const fs::path folder = copies.path().toStdString();
-    if (fs::exists(work.journals)) fs::copy(work.journals, folder, fs::copy_options::overwrite_existing);
+    if (fs::exists(work.journals)) fs::copy(work.journals, folder, fs::copy_options::recursive);
     Work again{work.path, folder};
     for (const auto& entry : fs::directory_iterator(folder)) {
         const lasfiles::Bytes bytes = lasfiles::readFile(entry.path());
-        if (std::count(bytes.begin(), bytes.end(), std::byte('\n')) < 2) fs::remove(entry.path());  // was being begun
+        if (std::count(bytes.begin(), bytes.end(), std::byte('\n')) < 2)
+            fs::remove(entry.path());  // was being begun
     }
     const auto journal = again.session->findJournal(again.progress);
     if (journal) trouble = again.session->recover(*journal, again.progress).stopped;
@@ -267,7 +271,9 @@ private slots:
         session.run({"set", {{"rule", "UserData = 3"}}, nullptr});
         session.run({"delete", {}, some});
         session.save();
-        const auto entries = [&] { return readJournal(session.session->history().journal()->path()).entries.size(); };
+        const auto entries = [&] {
+            return readJournal(session.session->history().journal()->path()).entries.size();
+        };
         session.undo();
         QVERIFY(session.failure().find("were deleted when the file was saved") != std::string::npos);
         QCOMPARE(entries(), std::size_t(0));
