@@ -51,7 +51,7 @@ struct KeyGroup {
     std::vector<std::pair<QString, QString>> lines;
 };
 
-constexpr int kColumns = 3;
+constexpr int kHelpColumns = 3;
 constexpr std::size_t kTitleLines = 2;  ///< that a title takes, with the room above it
 
 /// What no menu tells.
@@ -150,7 +150,7 @@ void showShortcutsPage(QWidget* parent, const std::vector<MainMenu::Shortcut>& s
     std::size_t inColumn = 0;
     for (const KeyGroup& group : groups) {
         const std::size_t own = group.lines.size() + kTitleLines;
-        if (!column || (inColumn + own / 2 > lines / kColumns && columns->count() < kColumns)) {
+        if (!column || (inColumn + own / 2 > lines / kHelpColumns && columns->count() < kHelpColumns)) {
             column = new QVBoxLayout;
             column->setSpacing(16);
             columns->addLayout(column);

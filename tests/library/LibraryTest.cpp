@@ -4,12 +4,11 @@
 #include "core/Error.h"
 #include "core/cloud/PointCloud.h"
 #include "core/edit/Command.h"
-#include "core/edit/History.h"
-#include "core/expression/Rule.h"
 #include "core/las/Diff.h"
 #include "core/las/Reader.h"
 #include "core/las/Writer.h"
 #include "core/sample/Sample.h"
+#include "core/session/Session.h"
 #include "core/task/Progress.h"
 
 #include <sys/wait.h>
@@ -64,19 +63,20 @@ void opensEditsAndSaves(const std::filesystem::path& folder, const std::string& 
     options.compressed = las::isCompressedName(path);
     las::write(*makeSample(20'000, 7, progress), path, options, progress);
 
-    const auto cloud = las::load(path, progress);
-    check(cloud->size() == 20'000, "all points are there");
-    History history(cloud);
-    auto command = expression::Rule("Classification = 6 if Classification == 5").run(*cloud, nullptr, progress);
-    check(command != nullptr, "the rule changes points");
-    history.push(std::move(command));
-    check(history.modified(), "an edit is noticed");
-    las::write(*cloud, edited, options, progress);
+    const auto session = Session::open(path);
+    session->read(progress);
+    check(session->cloud()->size() == 20'000, "all points are there");
+    const EditOutcome edit =
+        session->edit({"set", {{"rule", "Classification = 6 if Classification == 5"}}, nullptr}, progress);
+    check(edit.changed > 0, "the rule changes points");
+    check(session->history().modified(), "an edit is noticed");
+    session->save({edited, {}}, progress);
+    check(!session->history().modified(), "a save is noticed");
     const auto difference = las::diffFiles(path, edited, {}, progress);
     check(difference.attributes.size() == 1 && difference.attributes[0].name == "Classification",
           "nothing but the class differs");
-    history.undo();
-    las::write(*cloud, edited, options, progress);
+    session->undo(progress);
+    session->save({edited, {}}, progress);
     check(las::diffFiles(path, edited, {}, progress).attributes.empty(), "undone, no point differs");
 }
 
@@ -98,8 +98,16 @@ void refusesWhatIsNoCloud(const std::filesystem::path& folder)
 
 }  // namespace
 
-int main()
+/// `LibraryTest --sample FILE` only writes a survey.
+int main(int argc, char** argv)
 {
+    if (argc == 3 && std::string(argv[1]) == "--sample") {
+        Progress progress;
+        las::WriteOptions options;
+        options.compressed = las::isCompressedName(argv[2]);
+        las::write(*makeSample(2'000, 3, progress), argv[2], options, progress);
+        return 0;
+    }
     std::string name = (std::filesystem::temp_directory_path() / "punctum-library-XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr) return 1;
     check(aborts([] { assert(failures < 0); }), "an assertion of a test that fails ends it");

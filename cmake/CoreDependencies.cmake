@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: MIT
+# What punctum-core builds on. Also installed, for programs that use the library: its package finds the same.
+
+find_package(Threads REQUIRED)
+find_package(PkgConfig REQUIRED)
+find_package(TBB REQUIRED)
+find_package(glm REQUIRED)
+if(NOT TARGET glm::glm)
+  add_library(glm::glm ALIAS glm)
+endif()
+pkg_check_modules(PROJ REQUIRED IMPORTED_TARGET proj)
+# PCL's own modules set FLANN_ROOT, which later versions of CMake warn of.
+set(CMAKE_POLICY_DEFAULT_CMP0144 NEW)
+find_package(PCL 1.13 REQUIRED COMPONENTS common kdtree search)
+
+# LASzip: the library and its C header, nothing of its header struct (see docs/dev/las.md).
+find_path(LASZIP_INCLUDE_DIR laszip/laszip_api.h REQUIRED)
+find_library(LASZIP_LIBRARY laszip REQUIRED)
+if(NOT TARGET laszip::laszip)
+  add_library(laszip::laszip UNKNOWN IMPORTED)
+  set_target_properties(laszip::laszip PROPERTIES
+    IMPORTED_LOCATION ${LASZIP_LIBRARY} INTERFACE_INCLUDE_DIRECTORIES ${LASZIP_INCLUDE_DIR})
+endif()
