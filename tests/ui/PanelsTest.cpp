@@ -167,7 +167,7 @@ private slots:
         QVERIFY(waitFor([&] { return !ended.isEmpty(); }) && b.done());
         QCOMPARE(ended.size(), 1);
         QVERIFY(b.document->findAttribute(QStringLiteral("Normal")));
-        QCOMPARE(b.document->data()->history->position(), std::size_t(1));
+        QCOMPARE(b.document->history().position(), std::size_t(1));
     }
 
     /// Whatever takes the keys looks other than it does without them.
