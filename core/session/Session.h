@@ -29,10 +29,10 @@ struct Forecast {
 
 /// How to save.
 struct SaveRequest {
-    std::filesystem::path target;  ///< LAS or LAZ by its ending
-    las::WriteOptions options;     ///< but for `compressed`, which the target's name decides
-    bool compare = true;           ///< tell what changed in the file; reads it once more, where no forecast holds
-    std::optional<Forecast> forecast;
+    std::filesystem::path target{};  ///< LAS or LAZ by its ending
+    las::WriteOptions options{};     ///< but for `compressed`, which the target's name decides
+    bool compare = true;             ///< tell what changed in the file; reads it once more, where no forecast holds
+    std::optional<Forecast> forecast{};
 };
 
 /// What came of a save.
