@@ -81,7 +81,7 @@ void ClipFrame::showHandles(bool shown)
 std::optional<QPointF> ClipFrame::place(const glm::dvec3& world) const
 {
     const glm::dvec3 px = m_camera.project(world, sizePx());
-    if (!m_camera.orthographic && px.z < m_camera.pivotDepth() * 1e-3) return std::nullopt;
+    if (px.z < m_camera.nearDepth()) return std::nullopt;
     return QPointF(px.x, px.y);
 }
 
@@ -243,7 +243,7 @@ void ClipFrame::paintEvent(QPaintEvent*)
     const QColor accent = themeColors().accent;
     QColor line = accent;
     line.setAlpha(170);
-    const double near = m_camera.pivotDepth() * 1e-3;
+    const double near = m_camera.nearDepth();
     if (m_hovered && *m_hovered != kMiddle) {
         const int axis = 1 << (*m_hovered / 2), side = *m_hovered % 2 == 0 ? 0 : axis;
         const int u = axis == 1 ? 2 : 1, v = axis == 4 ? 2 : 4;
@@ -265,12 +265,10 @@ void ClipFrame::paintEvent(QPaintEvent*)
             glm::dvec3 from = cornerOf(*m_box, a), to = cornerOf(*m_box, a | axis);
             // What lies behind the eye is cut off where it passes it.
             const double nearFrom = m_camera.project(from, sizePx()).z, nearTo = m_camera.project(to, sizePx()).z;
-            if (!m_camera.orthographic) {
-                if (nearFrom < near && nearTo < near) continue;
-                const glm::dvec3 cut = from + (to - from) * ((near - nearFrom) / (nearTo - nearFrom));
-                if (nearFrom < near) from = cut;
-                if (nearTo < near) to = cut;
-            }
+            if (nearFrom < near && nearTo < near) continue;
+            const glm::dvec3 cut = from + (to - from) * ((near - nearFrom) / (nearTo - nearFrom));
+            if (nearFrom < near) from = cut;
+            if (nearTo < near) to = cut;
             const glm::dvec3 p = m_camera.project(from, sizePx()), q = m_camera.project(to, sizePx());
             painter.drawLine(QPointF(p.x, p.y), QPointF(q.x, q.y));
         }

@@ -64,6 +64,7 @@ std::vector<KeyGroup> handGroups()
            QObject::tr("Move the view sideways, with what is under the mouse")},
           {QObject::tr("Wheel"), QObject::tr("Zoom to what is under the cursor")},
           {QObject::tr("Double-click or middle click"), QObject::tr("Make this point the pivot")},
+          {QObject::tr("Click an end of the axes"), QObject::tr("Look from there; the middle: perspective or not")},
           {QObject::tr("Drop an attribute"), QObject::tr("Color the points by it")},
           {QObject::tr("Drop files or folders"), QObject::tr("Open them, anywhere on the window")}}},
         {QObject::tr("While a tool is on"),
@@ -77,7 +78,9 @@ std::vector<KeyGroup> handGroups()
          {{QObject::tr("Arrow keys"), QObject::tr("Walk by its width, with Shift by half")},
           {QObject::tr("Ctrl and wheel"), QObject::tr("Width of the section")},
           {QObject::tr("F"), QObject::tr("Show all of it")},
-          {QObject::tr("Escape"), QObject::tr("Close it")}}}};
+          {QObject::tr("Escape"), QObject::tr("Close it")}}},
+        {QObject::tr("Saved Views"),
+         {{QObject::tr("Alt+1 to Alt+9"), QObject::tr("Go to a saved view, in the order of the menu")}}}};
 }
 
 QLabel* keyLabel(const QString& text)

@@ -153,7 +153,7 @@ void MainMenu::makeEdit()
 
 void MainMenu::makeView()
 {
-    QMenu* menu = m_window.menuBar()->addMenu(tr("&View"));
+    QMenu* menu = m_viewMenu = m_window.menuBar()->addMenu(tr("&View"));
     Viewport& viewport = m_window.viewport();
     ViewSettings& settings = m_window.viewSettings();
 
@@ -187,7 +187,7 @@ void MainMenu::makeView()
     }
     m_views->setExclusive(false);
     m_needDocument.push_back(fit);
-    menu->addSeparator();
+    m_placesEnd = menu->addSeparator();
 
     m_colorBy = menu->addMenu(tr("&Color by"));
     QAction* next = add(menu, tr("&Next Attribute"), {}, {QKeySequence(Qt::SHIFT | Qt::Key_Down)}, {},

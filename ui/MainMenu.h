@@ -55,6 +55,9 @@ public:
     /// A menu before Process.
     QMenu& insertMenu(const QString& title);
     QToolBar& toolBar() noexcept { return *m_toolBar; }
+    QMenu& viewMenu() noexcept { return *m_viewMenu; }
+    /// In the View menu, what comes after the places that the view can go to.
+    QAction* placesEnd() const noexcept { return m_placesEnd; }
 
     QAction* open = nullptr;
     QAction* save = nullptr;
@@ -86,6 +89,8 @@ private:
     MainWindow& m_window;
     QToolBar* m_toolBar = nullptr;
     QMenu* m_processMenu = nullptr;
+    QMenu* m_viewMenu = nullptr;
+    QAction* m_placesEnd = nullptr;
     QMenu* m_recent = nullptr;
     QMenu* m_colorBy = nullptr;
     QActionGroup* m_views = nullptr;

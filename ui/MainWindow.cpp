@@ -35,6 +35,7 @@
 #include "ui/measure/MeasureDock.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
+#include "ui/navigate/Places.h"
 #include "ui/screenshot/Screenshots.h"
 #include "ui/section/SectionTool.h"
 #include "ui/section/Sections.h"
@@ -105,6 +106,7 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     m_selectBar = new SelectBar(*this, *m_selection, *m_selectTools);
     addMeasureMenu(*this, *m_measureTools, *m_measurements, *m_measureDock);
     m_sections = new Sections(*this, *views, *m_settings);
+    m_places = new Places(*this, *m_settings);
     m_opener = new Opener(*this, *m_settings);
     m_screenshots = new Screenshots(*this, *m_settings);
 

@@ -31,6 +31,7 @@ class MeasureTools;
 class Measurements;
 class Opener;
 class Panels;
+class Places;
 class ProcessingDock;
 class PropertiesDock;
 class EditDock;
@@ -109,6 +110,7 @@ public:
     ShownPill& shownPill() noexcept { return *m_shownPill; }
     ViewScope& viewScope() noexcept { return *m_viewScope; }
     Sections& sections() noexcept { return *m_sections; }
+    Places& places() noexcept { return *m_places; }
     EditDock& editDock() noexcept { return *m_edit; }
     HistoryDock& historyDock() noexcept { return *m_history; }
     /// Keys go to the view.
@@ -175,6 +177,7 @@ private:
     ViewScope* m_viewScope = nullptr;
     ShownPill* m_shownPill = nullptr;
     Sections* m_sections = nullptr;
+    Places* m_places = nullptr;
     EditDock* m_edit = nullptr;
     HistoryDock* m_history = nullptr;
     QLabel* m_readOut = nullptr;

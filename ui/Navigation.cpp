@@ -90,6 +90,12 @@ bool Navigation::zoom(double notches, const glm::dvec3& target, render::Camera& 
         // There is nothing to go through: what counts is how much a px covers.
         if (factor < 1.0) factor = std::min(1.0, std::max(factor, reach.size * kNearest / camera.pivotDepth()));
         camera.zoomTowards(target, factor);
+        // The picture does not change as the eye moves along the line of sight: it goes to where the pivot is in
+        // the middle of the picture at the target's depth, so that the next orbit turns about what is seen.
+        const double scale = camera.pivotDepth();
+        const glm::dvec3 ahead = camera.forward() / camera.stretch;
+        camera.pivot = camera.eye + ahead * glm::dot((target - camera.eye) * camera.stretch, camera.forward());
+        camera.eye = camera.pivot - ahead * scale;
         return true;
     }
     if (factor < 1.0 && distance * factor < nearest) {
@@ -114,8 +120,11 @@ render::Camera Navigation::shifted(const render::Camera& camera, glm::dvec2 shar
 render::Camera Navigation::centered(const render::Camera& camera, const glm::dvec3& point) noexcept
 {
     render::Camera result = camera;
+    // Seen in parallel, the depth of the pivot is the scale and nothing else.
     const double depth =
-        std::max(glm::dot((point - camera.eye) * camera.stretch, camera.forward()), camera.pivotDepth() * 1e-3);
+        camera.orthographic
+            ? camera.pivotDepth()
+            : std::max(glm::dot((point - camera.eye) * camera.stretch, camera.forward()), camera.nearDepth());
     result.pivot = point;
     result.eye = point - camera.forward() * depth / camera.stretch;
     return result;

@@ -11,8 +11,7 @@ namespace punctum::ui
 namespace
 {
 
-constexpr int kMoment = 900;  // ms
-constexpr int kSize = 30;     // px of the widget
+constexpr int kSize = 30;  // px of the widget
 constexpr double kRing = 7.0;
 
 }  // namespace
@@ -22,7 +21,6 @@ PivotMark::PivotMark(QWidget* view) : QWidget(view)
     setAttribute(Qt::WA_TransparentForMouseEvents);
     setFixedSize(kSize, kSize);
     m_end.setSingleShot(true);
-    m_end.setInterval(kMoment);
     connect(&m_end, &QTimer::timeout, this, &QWidget::hide);
     hide();
 }
@@ -37,7 +35,7 @@ void PivotMark::setCamera(const render::Camera& camera, double pixelRatio)
 void PivotMark::hold(bool on)
 {
     if (!on) {
-        if (isVisible()) m_end.start();
+        if (isVisible()) m_end.start(kMoment);
         return;
     }
     m_end.stop();
@@ -45,11 +43,11 @@ void PivotMark::hold(bool on)
     show();
 }
 
-void PivotMark::flash()
+void PivotMark::flash(int milliseconds)
 {
     place();
     show();
-    m_end.start();
+    m_end.start(milliseconds);
 }
 
 void PivotMark::place()
@@ -57,7 +55,7 @@ void PivotMark::place()
     const glm::dvec2 size = glm::dvec2(parentWidget()->width(), parentWidget()->height()) * m_pixelRatio;
     const glm::dvec3 px = m_camera.project(m_camera.pivot, size);
     // Far outside it has no place that fits an int.
-    const bool near = px.z > 0 && std::abs(px.x) < 1e6 && std::abs(px.y) < 1e6;
+    const bool near = px.z >= m_camera.nearDepth() && std::abs(px.x) < 1e6 && std::abs(px.y) < 1e6;
     const QPoint middle = near
                               ? QPoint(int(std::lround(px.x / m_pixelRatio)), int(std::lround(px.y / m_pixelRatio)))
                               : QPoint(-kSize, -kSize);

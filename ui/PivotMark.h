@@ -15,14 +15,16 @@ class PivotMark final : public QWidget
 {
     Q_OBJECT
 public:
+    static constexpr int kMoment = 900;  ///< ms
+
     explicit PivotMark(QWidget* view);
 
     /// `pixelRatio`: px of the picture for each of the widget.
     void setCamera(const render::Camera& camera, double pixelRatio);
     /// Shown until told otherwise, and a moment longer.
     void hold(bool on);
-    /// Shown for a moment.
-    void flash();
+    /// Shown for so long.
+    void flash(int milliseconds = kMoment);
 
 protected:
     void paintEvent(QPaintEvent* event) override;

@@ -42,7 +42,8 @@ void ViewNavigator::find(QPointF position, std::function<void(const Target&)> th
                 // The place under the cursor in the depth of the point, which may be beside it.
                 const double depth = glm::dot((point->world - camera.eye) * camera.stretch, camera.forward());
                 if (camera.orthographic)
-                    target.point = true;
+                    target = {target.place + camera.forward() * (depth - camera.pivotDepth()) / camera.stretch,
+                              true};
                 else if (depth > 0.0)
                     target = {camera.eye + (target.place - camera.eye) * (depth / camera.pivotDepth()), true};
             }

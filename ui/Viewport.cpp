@@ -34,6 +34,9 @@ namespace
 
 constexpr int kFlightTime = 240;  // ms
 constexpr int kEdge = 12;         // px between overlays and the view's edge
+constexpr int kMarkTime = 3000;   // ms that a place is marked to which somebody went
+/// What a view must have for a panel in its corner: smaller ones are left to title, legend and scale bar. px
+constexpr QSize kRoomForCorner(360, 300);
 
 QString attributeOf(const QMimeData& data)
 {
@@ -71,10 +74,7 @@ Viewport::Viewport(ViewRenderer& renderer, ViewSettings& settings, bool openGl, 
         applyCamera(Navigation::between(m_flightStart, m_flightEnd, t.toDouble()));
     });
     connect(m_navigator, &ViewNavigator::cameraMoved, this, &Viewport::userCamera);
-    connect(m_navigator, &ViewNavigator::flownTo, this, [this](const render::Camera& camera) {
-        ++m_userMoves;
-        setCamera(camera, true);
-    });
+    connect(m_navigator, &ViewNavigator::flownTo, this, &Viewport::flyTo);
     connect(m_messages, &MessageArea::resized, this, &Viewport::placeOverlays);
     connect(m_clipFrame, &ClipFrame::boxDragged, this, [this](const WorldBounds& box) {
         Clip clip = m_settings.display().clip;
@@ -185,10 +185,58 @@ void Viewport::fitTo(const WorldBounds& bounds, bool animated)
     m_fitted = true;
 }
 
+const render::Camera& Viewport::heading() const
+{
+    return m_flight->state() == QAbstractAnimation::Running ? m_flightEnd : m_camera;
+}
+
+void Viewport::flyTo(const render::Camera& camera)
+{
+    if (m_bounds.empty()) return;  // there is nothing to look at from elsewhere
+    ++m_userMoves;
+    setCamera(camera, true);
+}
+
+void Viewport::setOrthographic(bool on)
+{
+    render::Camera camera = heading();
+    if (camera.orthographic == on) return;
+    camera.orthographic = on;
+    ++m_userMoves;
+    setCamera(camera, m_flight->state() == QAbstractAnimation::Running);
+}
+
+void Viewport::goTo(const glm::dvec3& world)
+{
+    render::Camera camera = heading();
+    const glm::dvec3 way = camera.forward() * camera.pivotDepth() / camera.stretch;
+    camera.pivot = world;
+    camera.eye = world - way;
+    flyTo(camera);
+    m_pivotMark->flash(kMarkTime);
+}
+
+bool Viewport::turnTo(render::Camera& camera, const QString& name)
+{
+    const std::string view = name.toStdString();
+    if (!camera.setView(view)) return false;
+    camera.orthographic = camera.orthographic || render::seenInParallel(view);
+    return true;
+}
+
+void Viewport::lookFrom(const QString& name)
+{
+    render::Camera camera = heading();
+    const double depth = camera.pivotDepth();
+    if (!turnTo(camera, name)) return;
+    camera.eye = camera.pivot - camera.forward() * depth / camera.stretch;
+    flyTo(camera);
+}
+
 void Viewport::setStandardView(const QString& name)
 {
     render::Camera camera = m_camera;
-    if (!camera.setView(name.toStdString())) return;
+    if (!turnTo(camera, name)) return;
     const QSize size = pictureSize();
     if (m_fitBounds.empty()) m_fitBounds = m_bounds;
     camera.stretch = m_stretch;
@@ -415,32 +463,66 @@ void Viewport::placeOverlays()
     m_startPage->setGeometry(rect());
     m_dropHint->setGeometry(rect());
     m_title->move(kEdge, kEdge);
-    int bottom = m_title->geometry().bottom();
-    if (m_underTitle && !m_underTitle->isHidden()) {
+    if (m_underTitle && !m_underTitle->isHidden())
         // A section has the heights at its left.
         m_underTitle->move(m_flat ? width() - m_underTitle->width() - kEdge : kEdge,
-                           m_title->isHidden() ? kEdge : bottom + kEdge / 2);
-        bottom = m_underTitle->geometry().bottom();
-    }
+                           m_title->isHidden() ? kEdge : m_title->geometry().bottom() + kEdge / 2);
     m_compass->resize(m_compass->sizeHint());
     m_compass->move(kEdge, height() - m_compass->height() - kEdge);
     // Below the title, in what the view's width leaves.
     const int top = m_title->isVisible() ? m_title->geometry().bottom() + kEdge : kEdge;
-    m_legend->setRoom({width() - 2 * kEdge, height() - top - 2 * kEdge - m_compass->height()});
+    placeCorner();
+    const bool corner = m_corner && !m_corner->isHidden();
+    const int legendTop = corner ? std::max(top, m_corner->geometry().bottom() + kEdge) : top;
+    m_legend->setRoom({width() - 2 * kEdge, height() - legendTop - 2 * kEdge - m_compass->height()});
     // Beside the compass where there is room, else above it.
     const int legendLeft = width() - m_legend->width() - kEdge;
     const int legendBottom = legendLeft > m_compass->geometry().right() ? height() : m_compass->y();
     m_legend->move(legendLeft, legendBottom - m_legend->height() - kEdge);
-    // Beside the title where there is room, else under it.
+    placeMessages();
+}
+
+void Viewport::showCorner(bool shown)
+{
+    m_cornerShown = shown;
+    placeOverlays();
+}
+
+void Viewport::placeCorner()
+{
+    if (!m_corner) return;
+    const bool room = width() >= kRoomForCorner.width() && height() >= kRoomForCorner.height();
+    m_corner->setVisible(m_cornerShown && m_documents > 0 && room);
+    // Beside the title and what is under it where there is room, else below them.
+    const int left = width() - m_corner->width() - kEdge;
+    int top = kEdge;
+    for (const QWidget* panel : {static_cast<const QWidget*>(m_title), static_cast<const QWidget*>(m_underTitle)})
+        if (panel && !panel->isHidden() && panel->geometry().right() + kEdge > left)
+            top = std::max(top, panel->geometry().bottom() + kEdge);
+    m_corner->move(left, top);
+}
+
+void Viewport::placeMessages()
+{
+    // Between the title and the corner where there is room, else under them.
     const int free = width() - 2 * kEdge;
-    int right = m_title->isVisible() ? m_title->geometry().right() + kEdge : kEdge;
-    if (m_underTitle && !m_underTitle->isHidden())
-        right = std::max(right, m_underTitle->geometry().right() + kEdge);
-    const int messageWidth = std::min(680, free);
-    const bool beside = width() - kEdge - right >= std::min(440, free);
-    const int fitting = beside ? std::min(messageWidth, width() - kEdge - right) : messageWidth;
-    const int left = std::max((width() - fitting) / 2, beside ? right : kEdge);
-    m_messages->setGeometry(left, beside ? kEdge : bottom + kEdge, fitting, m_messages->heightForWidth(fitting));
+    int left = kEdge, right = width() - kEdge;
+    int bottom = m_title->geometry().bottom();
+    if (m_title->isVisible()) left = m_title->geometry().right() + kEdge;
+    if (m_underTitle && !m_underTitle->isHidden()) {
+        left = std::max(left, m_underTitle->geometry().right() + kEdge);
+        bottom = m_underTitle->geometry().bottom();
+    }
+    if (m_corner && !m_corner->isHidden()) {
+        right = m_corner->x() - kEdge;
+        bottom = std::max(bottom, m_corner->geometry().bottom());
+    }
+    const int wanted = std::min(680, free);
+    const bool beside = right - left >= std::min(440, free);
+    const int fitting = beside ? std::min(wanted, right - left) : wanted;
+    const int middle = (width() - fitting) / 2;
+    const int x = beside ? std::clamp(middle, left, right - fitting) : std::max(middle, kEdge);
+    m_messages->setGeometry(x, beside ? kEdge : bottom + kEdge, fitting, m_messages->heightForWidth(fitting));
     m_messages->raise();
 }
 

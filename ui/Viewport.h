@@ -69,8 +69,17 @@ public:
     void fit(bool animated = true) { fitTo(m_bounds, animated); }
     /// The same with a part of it.
     void fitTo(const WorldBounds& bounds, bool animated = true);
-    /// "top", "front", ... keeping the pivot, then fitted.
+    /// "top", "front", ... keeping the pivot, then fitted. All but "iso", which keeps the projection, are
+    /// orthographic.
     void setStandardView(const QString& name);
+    /// The same direction and projection, with the pivot in the middle at the scale that it has.
+    void lookFrom(const QString& name);
+    /// Orthographic or perspective: at the pivot's depth all stays where it is, as large as it is.
+    void setOrthographic(bool on);
+    /// Flies where the user wants to be.
+    void flyTo(const render::Camera& camera);
+    /// Makes a place the pivot in the middle, at the scale of now, and marks it for some seconds.
+    void goTo(const glm::dvec3& world);
 
     /// The document that title and legend speak of; null: nothing is open.
     void setDocument(Document* document, int documents);
@@ -84,6 +93,9 @@ public:
 
     /// A panel that is kept under the title.
     void setUnderTitle(QWidget* panel) { m_underTitle = panel; }
+    /// A panel for the upper right corner, shown while something is open and the view has room for it.
+    void setCorner(QWidget* panel) { m_corner = panel; }
+    void showCorner(bool shown);
 
     MessageArea& messages() noexcept { return *m_messages; }
     ClipFrame& clipFrame() noexcept { return *m_clipFrame; }
@@ -126,11 +138,17 @@ private:
     /// Unit of what the camera sees; empty: unknown.
     QString viewUnit() const;
     void applyCamera(const render::Camera& camera);
+    /// Where it is, or flies to.
+    const render::Camera& heading() const;
+    /// Looks from a standard view's direction; false for a name that is none.
+    static bool turnTo(render::Camera& camera, const QString& name);
     void userCamera(const render::Camera& camera);
     void takeFrame();
     void sendDisplay();
     void sendSize();
     void placeOverlays();
+    void placeCorner();
+    void placeMessages();
     void updateLegend();
     void requestHover();
 
@@ -142,6 +160,8 @@ private:
     ViewNavigator* m_navigator = nullptr;
     TitleOverlay* m_title = nullptr;
     QWidget* m_underTitle = nullptr;
+    QWidget* m_corner = nullptr;
+    bool m_cornerShown = true;
     LegendOverlay* m_legend = nullptr;
     CompassOverlay* m_compass = nullptr;
     StartPage* m_startPage = nullptr;

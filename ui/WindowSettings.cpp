@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <mutex>
 
 namespace punctum::ui
 {
@@ -46,6 +47,8 @@ const QString kColorMap = QStringLiteral("view/colorMap");
 const QString kBackground = QStringLiteral("view/background");
 const QString kSectionWidth = QStringLiteral("section/width_%1");
 const QString kSectionBeside = QStringLiteral("section/beside");
+const QString kAxes = QStringLiteral("view/axes");
+const QString kSavedViews = QStringLiteral("view/saved");
 const QString kScreenshot = QStringLiteral("screenshot/%1");
 const QString kUndoMemory = QStringLiteral("edit/undoMemory");  // MiB
 const QString kRecent = QStringLiteral("files/recent");
@@ -58,6 +61,34 @@ std::unique_ptr<QSettings> openSettings(const QString& file)
 }
 
 }  // namespace
+
+/// What has been set and is not on the disk. Jobs that write come in any order, or too late: each of them writes
+/// the newest of all.
+struct WindowSettings::Unwritten {
+    void add(const QString& key, const QVariant& value)
+    {
+        const std::lock_guard lock(m_mutex);
+        m_values[key] = value;
+    }
+    /// One at a time; nobody who sets a value waits for the disk.
+    void write(const QString& file)
+    {
+        const std::lock_guard one(m_writing);
+        QVariantMap values;
+        {
+            const std::lock_guard lock(m_mutex);
+            values.swap(m_values);
+        }
+        if (values.isEmpty()) return;
+        const auto settings = openSettings(file);
+        for (auto value = values.cbegin(); value != values.cend(); ++value)
+            settings->setValue(value.key(), value.value());
+    }
+
+private:
+    std::mutex m_writing, m_mutex;
+    QVariantMap m_values;
+};
 
 HistoryRoom WindowSettings::historyRoom(const QString& file)
 {
@@ -74,17 +105,23 @@ HistoryRoom WindowSettings::historyRoom(const QString& file)
 }
 
 WindowSettings::WindowSettings(const QString& file, RunInBackground inBackground)
-    : m_file(file), m_inBackground(std::move(inBackground))
+    : m_file(file), m_inBackground(std::move(inBackground)), m_unwritten(std::make_shared<Unwritten>())
 {
     const auto settings = openSettings(file);
     for (const QString& key : settings->allKeys()) m_values[key] = settings->value(key);
+}
+
+WindowSettings::~WindowSettings()
+{
+    m_unwritten->write(m_file);
 }
 
 void WindowSettings::set(const QString& key, const QVariant& value)
 {
     if (m_values.value(key) == value) return;
     m_values[key] = value;
-    auto write = [file = m_file, key, value] { openSettings(file)->setValue(key, value); };
+    m_unwritten->add(key, value);
+    auto write = [file = m_file, unwritten = m_unwritten] { unwritten->write(file); };
     if (m_inBackground)
         m_inBackground(write);
     else
@@ -225,6 +262,26 @@ bool WindowSettings::sectionBeside() const
 void WindowSettings::setSectionBeside(bool beside)
 {
     set(kSectionBeside, beside);
+}
+
+bool WindowSettings::axes() const
+{
+    return m_values.value(kAxes, true).toBool();
+}
+
+void WindowSettings::setAxes(bool shown)
+{
+    set(kAxes, shown);
+}
+
+QString WindowSettings::savedViews() const
+{
+    return m_values.value(kSavedViews).toString();
+}
+
+void WindowSettings::setSavedViews(const QString& text)
+{
+    set(kSavedViews, text);
 }
 
 ScreenshotOptions WindowSettings::screenshot() const

@@ -11,6 +11,7 @@
 #include <QVariantMap>
 
 #include <functional>
+#include <memory>
 #include <optional>
 
 class QMainWindow;
@@ -34,6 +35,10 @@ public:
 
     /// `file`: an .ini file; empty: the user's own settings.
     explicit WindowSettings(const QString& file, RunInBackground inBackground = {});
+    /// Writes what the background has not come to.
+    ~WindowSettings();
+    WindowSettings(const WindowSettings&) = delete;
+    WindowSettings& operator=(const WindowSettings&) = delete;
 
     /// False: there is no layout of panels to restore.
     bool restore(QMainWindow& window, ViewSettings& view) const;
@@ -63,6 +68,12 @@ public:
     /// Sections open beside the main view instead of below it.
     bool sectionBeside() const;
     void setSectionBeside(bool beside);
+    /// Whether the view has axes in its corner.
+    bool axes() const;
+    void setAxes(bool shown);
+    /// Views that were saved, as SavedViews writes them.
+    QString savedViews() const;
+    void setSavedViews(const QString& text);
     /// How pictures were saved last; without view and size.
     ScreenshotOptions screenshot() const;
     void setScreenshot(const ScreenshotOptions& options);
@@ -73,8 +84,11 @@ public:
 private:
     void set(const QString& key, const QVariant& value);
 
+    struct Unwritten;
+
     QString m_file;
     RunInBackground m_inBackground;
+    std::shared_ptr<Unwritten> m_unwritten;
     QVariantMap m_values;
 };
 

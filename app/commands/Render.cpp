@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // punctum render: a picture of clouds, with no display and no GPU.
-#include "app/CameraFile.h"
 #include "app/Console.h"
 #include "app/Files.h"
 #include "app/Marks.h"
@@ -13,6 +12,7 @@
 #include "core/cloud/ShownExtent.h"
 #include "core/expression/Condition.h"
 #include "core/task/Progress.h"
+#include "render/camera/CameraFile.h"
 #include "render/color/ColorMap.h"
 
 #include <algorithm>
@@ -34,6 +34,7 @@ struct RenderOptions {
     std::string colorMap;  ///< empty: the one that suits the attribute
     std::string range;
     std::string view;
+    std::string projection;  ///< empty: as the view is seen
     std::string camera;
     int samples = 4;
     double pointSize = 0;  ///< 0: none given
@@ -255,7 +256,10 @@ void runRender(const RenderRequest& request, Progress& progress)
     const auto [width, height] = options.size;
     const glm::dvec2 size(width, height);
     render::Camera camera;
-    camera.setView(options.view.empty() ? "iso" : options.view);
+    const std::string view = options.view.empty() ? "iso" : options.view;
+    camera.setView(view);
+    camera.orthographic =
+        options.projection.empty() ? render::seenInParallel(view) : options.projection == "orthographic";
     camera.stretch = stretch;
     const ShownExtent extent = shownExtentOf(clouds, visibility, stretch, progress);
     if (extent.points == 0 && !section) {
@@ -270,7 +274,7 @@ void runRender(const RenderRequest& request, Progress& progress)
         note((extent.strays == 1 ? std::string("One point lies") : grouped(extent.strays) + " points lie") +
              " far away from all the others and outside of the picture; --with-strays fits it to them, too.");
     if (section) camera = cameraOf(*section, clouds, visibility, options.exaggeration, size, progress);
-    if (!options.camera.empty()) camera = readCamera(options.camera, camera, shown, size);
+    if (!options.camera.empty()) camera = render::readCameraFile(options.camera, camera, shown, size);
     renderer.setCamera(camera);
 
     Picture picture = drawPicture(renderer, width, height, options.bruteForce, progress);
@@ -290,7 +294,7 @@ void runRender(const RenderRequest& request, Progress& progress)
                    {"covered", picture.covered},
                    {"shown", extent.points},
                    {"strays", extent.strays},
-                   {"camera", app::jsonOf(camera)},
+                   {"camera", Json::parse(render::cameraText(camera))},
                    {"seconds", seconds.count()}});
     else
         print(options.out + ": " + std::to_string(width) + " x " + std::to_string(height) + " px, " +
@@ -333,12 +337,19 @@ void addRender(CLI::App& root, Action& action)
         command.add_option("--view", options->view, "top, bottom, front, back, left, right or iso; default iso")
             ->type_name("VIEW")
             ->check(CLI::IsMember({"top", "bottom", "front", "back", "left", "right", "iso"}));
+    CLI::Option* projection =
+        command
+            .add_option("--projection", options->projection,
+                        "orthographic or perspective; default: orthographic for all views but iso")
+            ->type_name("KIND")
+            ->check(CLI::IsMember({"orthographic", "perspective"}));
     command
         .add_option("--camera", options->camera,
                     "JSON file with eye [x, y, z], yaw, pitch and fov in degrees, pivot [x, y, z], orthographic; "
                     "without eye, the clouds fill the picture")
         ->type_name("FILE.json")
-        ->excludes(view);
+        ->excludes(view)
+        ->excludes(projection);
     command.add_option("--samples", options->samples, "Samples a pixel: 1, 4, 8 or 16; default 4")
         ->type_name("N")
         ->check([](const std::string& n) {
@@ -409,6 +420,7 @@ void addRender(CLI::App& root, Action& action)
                         "Draw the section along this line, the first place on the left, seen from the side")
             ->type_name("X1,Y1:X2,Y2")
             ->excludes(view)
+            ->excludes(projection)
             ->excludes("--camera");
     command
         .add_option("--section-width", options->sectionWidth,

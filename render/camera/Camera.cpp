@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace punctum::render
@@ -60,6 +61,12 @@ double Camera::pivotDepth() const noexcept
     const glm::dvec3 line = (pivot - eye) * stretch;
     const double depth = glm::dot(line, forward());
     return depth > 0 ? std::max(depth, 1e-12) : std::max(glm::length(line), 1e-12);
+}
+
+double Camera::nearDepth() const noexcept
+{
+    constexpr double kNearShare = 1e-3;  // of the pivot's depth
+    return orthographic ? -std::numeric_limits<double>::infinity() : pivotDepth() * kNearShare;
 }
 
 double Camera::unitsPerPixel(double heightPx) const noexcept
@@ -184,6 +191,11 @@ bool Camera::setView(std::string_view name) noexcept
     pitch = view->pitch;
     eye = pivot - forward() * distance / stretch;
     return true;
+}
+
+bool seenInParallel(std::string_view view) noexcept
+{
+    return view != "iso";
 }
 
 Camera sectionCamera(const Section& section, double low, double high, glm::dvec2 sizePx,

@@ -25,6 +25,8 @@ struct Camera {
     double pitch = -0.6;
     double fovY = 0.785398163397448;  ///< full vertical angle (45 degrees), perspective only
     glm::dvec3 pivot{0.0};            ///< what orbit() turns about and zooming is measured from
+    /// Parallel instead of perspective: all is as large as it is at the pivot's depth in perspective, and what lies
+    /// behind the eye is seen, too.
     bool orthographic = false;
     glm::dvec3 stretch{1.0};  ///< view units of a world unit along each axis: see trueLengths()
 
@@ -33,6 +35,9 @@ struct Camera {
     glm::dvec3 forward() const noexcept;
     /// Distance of the pivot along the view direction; never below a tiny positive number.
     double pivotDepth() const noexcept;
+    /// Depth from which on something is drawn: what is nearer would hide all else. Seen in parallel, where the eye
+    /// has no place, it is minus infinity.
+    double nearDepth() const noexcept;
     /// View units that one px covers at the pivot's depth, for a picture of this height.
     double unitsPerPixel(double heightPx) const noexcept;
 
@@ -51,11 +56,16 @@ struct Camera {
     double seenSize(const WorldBounds& bounds, glm::dvec2 sizePx) const noexcept;
     /// Puts the pivot in the middle of the box and the eye where the whole box fills the picture. Keeps angles.
     void fit(const WorldBounds& bounds, glm::dvec2 sizePx) noexcept;
-    /// Standard views: "top", "bottom", "front", "back", "left", "right", "iso". False for another name.
+    /// Standard views: "top", "bottom", "front", "back", "left", "right", "iso". False for another name. Leaves
+    /// the projection as it is: see seenInParallel().
     bool setView(std::string_view name) noexcept;
 
     friend bool operator==(const Camera&, const Camera&) = default;
 };
+
+/// Whether a standard view is orthographic where nobody asks for perspective: plans and elevations are, from which
+/// one reads lengths; "iso" is not.
+bool seenInParallel(std::string_view view) noexcept;
 
 /// A parallel view of a section, upright and filled by what lies between two heights (world). `exaggeration`:
 /// heights look so many times as high.

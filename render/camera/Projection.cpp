@@ -13,9 +13,6 @@ namespace punctum::render
 namespace
 {
 
-/// Points nearer than this share of the pivot's depth are not drawn: they would hide all else.
-constexpr double kNearShare = 1e-3;
-
 /// The least depth (view units along the view direction) that a point of the box has.
 double nearestDepth(const Camera& camera, const WorldBounds& box)
 {
@@ -56,7 +53,7 @@ LayerProjection makeProjection(const Camera& camera, const PointStore& store, co
         p.rowX = row(right * focal + forward * centerX, 0.0);
         p.rowY = row(forward * centerY - up * focal, 0.0);
         p.rowD = row(forward, 0.0);
-        p.nearDepth = float(camera.pivotDepth() * kNearShare);
+        p.nearDepth = float(camera.nearDepth());
         p.sizeOverDepth = float(style.size * focal);
         // From so far that the nearest point has the least size all have: that is drawn fastest.
         const WorldBounds box = grid.toWorld(store.bounds());

@@ -304,6 +304,26 @@ private slots:
         QVERIFY(coveredShare(pictures[0]) > coveredShare(pictures[1]));  // a survey is flat: more to see from above
     }
 
+    /// Plans and elevations are orthographic, and in perspective when told so.
+    void projectsAsItIsTold()
+    {
+        const QStringList common{"render", path("in.las"), "-o", path("p.png"), "--size", "200x160", "--json"};
+        const auto orthographic = [&](const QStringList& options) -> QJsonValue {
+            return runPunctum(common + options).json()["camera"].toObject()["orthographic"];
+        };
+        for (const char* view : {"top", "bottom", "front", "back", "left", "right"}) {
+            QCOMPARE(orthographic({"--view", view}), QJsonValue(true));
+            QCOMPARE(orthographic({"--view", view, "--projection", "perspective"}), QJsonValue(false));
+        }
+        QCOMPARE(orthographic({"--view", "iso"}), QJsonValue(false));
+        QCOMPARE(orthographic({}), QJsonValue(false));
+        QCOMPARE(orthographic({"--projection", "orthographic"}), QJsonValue(true));
+        PUNCTUM_EXIT(runPunctum(common + QStringList{"--projection", "parallel"}), 2);
+        PUNCTUM_EXIT(runPunctum(common + QStringList{"--projection", "perspective", "--camera", path("c.json")}),
+                     2);
+        PUNCTUM_EXIT(runPunctum(common + QStringList{"--projection", "perspective", "--section", "0,0:1,1"}), 2);
+    }
+
     void takesACameraThatItGave()
     {
         const QStringList common{"render", path("in.las"), "--size", "320x200", "--samples", "1", "--json", "-o"};

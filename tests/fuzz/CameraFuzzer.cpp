@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A camera file: a camera that can be looked through, or one sentence; written and read again it is the same.
-#include "app/CameraFile.h"
+#include "render/camera/CameraFile.h"
 #include "tests/fuzz/Fuzz.h"
 
 #include <cmath>
@@ -40,12 +40,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fitted.fit(bounds, sizePx);
     memory.set({reinterpret_cast<const std::byte*>(data), size});
     try {
-        const render::Camera camera = app::readCamera(memory.path(), fitted, bounds, sizePx);
+        const render::Camera camera = render::readCameraFile(memory.path(), fitted, bounds, sizePx);
         promise(finite(camera.eye) && finite(camera.pivot) && std::isfinite(camera.yaw), "a camera is somewhere");
         promise(camera.fovY > 0 && camera.fovY < std::numbers::pi, "it sees something");
-        const std::string written = app::jsonOf(camera).dump();
+        const std::string written = render::cameraText(camera);
         memory.set(std::as_bytes(std::span(written)));
-        promise(near(app::readCamera(memory.path(), fitted, bounds, sizePx), camera),
+        promise(near(render::readCameraFile(memory.path(), fitted, bounds, sizePx), camera),
                 "a camera that is written reads as the same one");
     } catch (const Error& e) {
         fuzz::checkSentence(e);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include "core/Error.h"
 #include "render/camera/Camera.h"
+#include "render/camera/CameraFile.h"
 #include "render/camera/Projection.h"
 #include "tests/render/SyntheticCloud.h"
 
@@ -38,6 +40,8 @@ private Q_SLOTS:
     void zoomKeepsTheTargetInPlace();
     void panFollowsTheMouse();
     void fitShowsTheWholeBox();
+    void oneScaleInParallel();
+    void textOfACamera();
     void tellsHowLargeABoxIsSeen();
     void degreesHaveTheirTrueShape();
     void farCoordinatesDrawWithoutJitter_data();
@@ -113,6 +117,49 @@ void CameraTest::fitShowsTheWholeBox()
             }
             QVERIFY2(widest > 0.9, view);
         }
+}
+
+/// Seen in parallel, px are the same length everywhere, which is that at the pivot's depth in perspective.
+void CameraTest::oneScaleInParallel()
+{
+    const WorldBounds box{glm::dvec3(500000, 4000000, 100), glm::dvec3(501000, 4000300, 180)};
+    for (const char* view : {"top", "front", "left", "iso"}) {
+        Camera c;
+        c.setView(view);
+        c.fit(box, kSize);
+        QCOMPARE(seenInParallel(view), std::string_view(view) != "iso");
+        Camera parallel = c;
+        parallel.orthographic = true;
+        QCOMPARE(parallel.unitsPerPixel(kSize.y), c.unitsPerPixel(kSize.y));
+        const glm::dvec3 beside = c.unproject({300, 200}, kSize);
+        QVERIFY(glm::length(c.project(beside, kSize) - parallel.project(beside, kSize)) < 1e-6);
+        for (const double depth : {-5000.0, -1.0, 0.0, 70.0, 1e5}) {
+            const glm::dvec3 from = parallel.pivot + parallel.forward() * depth;
+            const glm::dvec3 to = from + (parallel.right() * 3.0 + parallel.up() * 4.0);
+            const double px = glm::length(glm::dvec2(parallel.project(to, kSize) - parallel.project(from, kSize)));
+            QVERIFY(std::abs(px * parallel.unitsPerPixel(kSize.y) - 5.0) < 1e-6);
+            QVERIFY(parallel.project(to, kSize).z >= parallel.nearDepth());
+        }
+        QVERIFY(c.nearDepth() > 0 && c.nearDepth() < c.pivotDepth());
+    }
+}
+
+void CameraTest::textOfACamera()
+{
+    Camera c;
+    c.orthographic = true;
+    c.setView("top");
+    c.stretch = {111'000, 85'000, 1};
+    c.fit({{-94.5, 44.99, 100}, {-94.49, 45.01, 150}}, kSize);
+    Camera fitted;
+    fitted.stretch = c.stretch;
+    const Camera back = readCamera(cameraText(c), fitted, {}, kSize);
+    QVERIFY(back.orthographic && glm::length(back.eye - c.eye) < 1e-9 && glm::length(back.pivot - c.pivot) < 1e-9);
+    QVERIFY(std::abs(back.yaw - c.yaw) < 1e-12 && std::abs(back.pitch - c.pitch) < 1e-12);
+    QCOMPARE(back.stretch, c.stretch);
+    for (const char* text :
+         {"", "[]", "{\"eye\": 1}", "{\"pitch\": 91}", "{\"orthographic\": 1}", "{\"eyes\": [1,2,3]}"})
+        QVERIFY_EXCEPTION_THROWN(readCamera(text, fitted, {}, kSize), Error);
 }
 
 // Lengths of a degree on WGS 84 as tables of geodesy have them, and what the camera makes of them.

@@ -30,7 +30,7 @@ void drawMeasurement(QPainter& painter, const Measurement& m, const render::Came
 {
     const auto place = [&](const glm::dvec3& world) -> std::optional<QPointF> {
         const glm::dvec3 px = camera.project(world, {std::max(1.0, size.width()), std::max(1.0, size.height())});
-        if (!(px.z > 0.0)) return {};
+        if (!(px.z >= camera.nearDepth())) return {};
         return QPointF(px.x, px.y);
     };
     const auto& points = m.points;

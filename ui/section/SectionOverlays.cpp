@@ -17,7 +17,6 @@ namespace punctum::ui
 namespace
 {
 
-constexpr double kNearShare = 1e-3;                       // of the pivot's depth: nearer is not drawn
 constexpr double kArrow = 9.0;                            // px
 constexpr double kRing = 7.0;                             // px
 constexpr double kHeightGap = 44.0, kDistanceGap = 90.0;  // px between two lines, at least
@@ -69,7 +68,7 @@ QPolygonF ViewLayer::projected(const std::vector<glm::dvec3>& corners) const
 {
     const render::Camera& eye = camera();
     const glm::dvec2 size(std::max(1, width()), std::max(1, height()));
-    const double near = eye.orthographic ? -1e300 : eye.pivotDepth() * kNearShare;
+    const double near = eye.nearDepth();
     QPolygonF polygon;
     for (std::size_t k = 0; k < corners.size(); ++k) {
         const glm::dvec3 a = corners[k], b = corners[(k + 1) % corners.size()];
