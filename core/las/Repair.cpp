@@ -63,7 +63,7 @@ bool isCopyBehind(const File& from, const Header& header, const File& copy, Prog
     if (ours != header.bytes) return false;
     for (std::uint64_t at = header.bytes.size(); at < from.size(); at += ours.size()) {
         progress.check();
-        ours.resize(std::size_t(std::min<std::uint64_t>(kBlock, from.size() - at)));
+        ours.resize(std::size_t(std::min<std::uint64_t>(kCopyBlock, from.size() - at)));
         theirs.resize(ours.size());
         from.readAt(at, theirs);
         copy.readAt(at, ours);
