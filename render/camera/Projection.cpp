@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace punctum::render
 {
@@ -13,21 +14,35 @@ namespace punctum::render
 namespace
 {
 
-/// The least depth (view units along the view direction) that a point of the box has.
-double nearestDepth(const Camera& camera, const WorldBounds& box)
+/// The least and the largest depth (view units along the view direction) that points of the box have.
+std::pair<double, double> depthsOf(const Camera& camera, const WorldBounds& box)
 {
     const glm::dvec3 forward = camera.forward() * camera.stretch;
-    double depth = 0.0;
-    for (int axis = 0; axis < 3; ++axis)
-        depth += std::min((box.min[axis] - camera.eye[axis]) * forward[axis],
-                          (box.max[axis] - camera.eye[axis]) * forward[axis]);
-    return depth;
+    double least = 0.0, largest = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double a = (box.min[axis] - camera.eye[axis]) * forward[axis];
+        const double b = (box.max[axis] - camera.eye[axis]) * forward[axis];
+        least += std::min(a, b);
+        largest += std::max(a, b);
+    }
+    return {least, largest};
+}
+
+/// What is added to depths that are seen in parallel, so that all of them are positive wherever zooming has put the
+/// eye. As little as can be, since what is a share of a depth (the front that is averaged, the surface that grows
+/// into holes) is to mean about what it means in perspective.
+double liftOf(const Camera& camera, const WorldBounds& scene)
+{
+    constexpr double kSlack = 0.1;  // of the range: more points may come than the header said
+    if (scene.empty()) return camera.pivotDepth();
+    const auto [least, largest] = depthsOf(camera, scene);
+    return std::max(camera.pivotDepth(), (largest - least) * kSlack) - least;
 }
 
 }  // namespace
 
 LayerProjection makeProjection(const Camera& camera, const PointStore& store, const PicturePart& part,
-                               const PointStyle& style)
+                               const PointStyle& style, const WorldBounds& scene)
 {
     const CoordinateScale& grid = store.cloud().coordinates();
     const LocalFrame& frame = store.frame();
@@ -58,21 +73,15 @@ LayerProjection makeProjection(const Camera& camera, const PointStore& store, co
         // From so far that the nearest point has the least size all have: that is drawn fastest.
         const WorldBounds box = grid.toWorld(store.bounds());
         if (style.size > 0 && !box.empty()) {
-            const double nearest = nearestDepth(camera, box);
+            const double nearest = depthsOf(camera, box).first;
             const double steps = style.size * focal / nearest * kSampleSteps;
             if (nearest > 0 && steps <= double(p.sizeInSteps())) p.sizeOverDepth = 0.0f;
         }
     } else {
-        // Depths are lifted so far that everything lies in front, wherever zooming has put the eye.
-        const WorldBounds box = grid.toWorld(store.bounds());
-        const double reach =
-            box.empty() ? camera.pivotDepth()
-                        : glm::length(glm::max(glm::abs(box.min - camera.eye), glm::abs(box.max - camera.eye)) *
-                                      camera.stretch);
         const double scale = focal / camera.pivotDepth();  // px of a view unit
         p.rowX = row(right * scale, centerX);
         p.rowY = row(-up * scale, centerY);
-        p.rowD = row(forward, reach * 1.1);
+        p.rowD = row(forward, liftOf(camera, scene.empty() ? grid.toWorld(store.bounds()) : scene));
         p.nearDepth = 1e-30f;
         if (style.size > 0)
             p.pointSize = float(std::clamp(style.size * scale, style.px, std::max(style.px, style.most)));

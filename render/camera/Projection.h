@@ -26,8 +26,11 @@ struct PointStyle {
 /// How a camera maps a store's local integers to the picture. Computed in double; the reference is the point of the
 /// integer grid nearest to the eye, so that float keeps its digits where one looks from, at any distance from the
 /// origin of the CRS.
+///
+/// `scene`: the box (world) of all that the picture shows. Seen in parallel, depths are told from a place before it,
+/// so that those of several stores compare; empty: the store is all there is.
 LayerProjection makeProjection(const Camera& camera, const PointStore& store, const PicturePart& part,
-                               const PointStyle& style = {});
+                               const PointStyle& style = {}, const WorldBounds& scene = {});
 /// What of a store lies inside; `reference`: of its projection. At most kMostClipPlanes planes count.
 LayerClip makeClip(const Clip& clip, const PointStore& store, const glm::ivec3& reference);
 inline LayerProjection makeProjection(const Camera& camera, const PointStore& store, const TargetSize& size,

@@ -237,9 +237,12 @@ void ProgressiveRenderer::updateScene()
     Clip clip = m_display.clip;
     clip.planes.insert(clip.planes.end(), m_display.cuts.begin(), m_display.cuts.end());
     const PicturePart part = m_part.value_or(PicturePart{0, 0, m_size.width, m_size.height});
+    WorldBounds all;
+    for (const auto& entry : m_entries)
+        all.include(entry->store->cloud().coordinates().toWorld(entry->store->bounds()));
     for (const auto& entry : m_entries) {
         m_scene.layers.push_back({entry->store.get(), ids.take(entry->store->slotCount()),
-                                  makeProjection(m_camera, *entry->store, part, styleOf(*entry))});
+                                  makeProjection(m_camera, *entry->store, part, styleOf(*entry), all)});
         Layer& layer = m_scene.layers.back();
         layer.clip = makeClip(clip, *entry->store, layer.projection.reference);
     }

@@ -43,6 +43,7 @@ private Q_SLOTS:
     void rangeIsSecondToNinetyEighthPercentile();
     void rangeIsOfWhatIsShown();
     void severalCloudsInOneView();
+    void nearerCloudHidesTheOther();
     void oneLegendForAllClouds();
     void picksWhatIsOnScreen();
     void partsMakeUpThePicture();
@@ -536,6 +537,35 @@ void ProgressiveTest::severalCloudsInOneView()
     view.converge();
     View alone({storeB}, camera, display);
     QCOMPARE(differing(view.renderer.image(), alone.bruteForce()), 0);
+}
+
+/// Depths of several clouds compare, whatever their extents, in perspective and seen in parallel.
+void ProgressiveTest::nearerCloudHidesTheOther()
+{
+    const auto lower = test::makeCloud(100'000);
+    const auto upper = test::makeCloud(100'000, {glm::dvec3(0.001), glm::dvec3(0, 0, 60)});
+    upper->findAttribute("X")->columns[0]->values<std::int32_t>()[0] = 2'000'000;  // 2 km to the east
+    const auto lowerStore = filledStore(lower), upperStore = filledStore(upper);
+    const WorldBounds box = lower->coordinates().toWorld(lower->computeBounds());
+    for (const bool orthographic : {false, true})
+        for (const char* from : {"top", "bottom"}) {
+            Camera camera;
+            camera.orthographic = orthographic;
+            camera.setView(from);
+            camera.fit(box, {320, 200});
+            camera.zoomTowards(camera.pivot, 3.0);
+            View view({lowerStore, upperStore}, camera, {});
+            view.converge();
+            const std::size_t nearer = std::string_view(from) == "top" ? 1 : 0;
+            int hits = 0;
+            for (int y = 85; y < 115; y += 3)
+                for (int x = 145; x < 175; x += 3)
+                    if (const auto hit = view.renderer.pick(x, y)) {
+                        QVERIFY2(hit->cloud == nearer, from);
+                        ++hits;
+                    }
+            QVERIFY(hits > 50);
+        }
 }
 
 // Clouds that come up with attributes of their own show that of the legend; what lacks it does not spoil its range.
