@@ -44,6 +44,7 @@ private Q_SLOTS:
     void rangeIsOfWhatIsShown();
     void severalCloudsInOneView();
     void nearerCloudHidesTheOther();
+    void movingKeepsPointsOfSeveralClouds();
     void oneLegendForAllClouds();
     void picksWhatIsOnScreen();
     void partsMakeUpThePicture();
@@ -566,6 +567,39 @@ void ProgressiveTest::nearerCloudHidesTheOther()
                     }
             QVERIFY(hits > 50);
         }
+}
+
+/// While the view moves, points of one cloud hide those of another and give them free again: each is where it
+/// belongs.
+void ProgressiveTest::movingKeepsPointsOfSeveralClouds()
+{
+    const auto a = test::makeCloud(60'000);
+    const auto b = test::makeCloud(60'000, {glm::dvec3(0.001), glm::dvec3(3, 2, 1)});
+    for (const bool orthographic : {false, true}) {
+        Camera camera = cameraFor(*a, 320, 200);
+        camera.orthographic = orthographic;
+        View view({filledStore(a), filledStore(b)}, camera, {});
+        view.converge();
+        int hits[2] = {0, 0};
+        for (int frame = 0; frame < 12; ++frame) {
+            camera.orbit(frame % 4 < 2 ? 0.1 : -0.1, 0.02);
+            view.renderer.setCamera(camera);
+            view.renderer.renderFrame(1e-9);
+            for (int y = 1; y < 200; y += 3)
+                for (int x = 1; x < 320; x += 3)
+                    if (const auto hit = view.renderer.pick(x, y, 0)) {
+                        const glm::dvec3 px = camera.project(hit->world, {320, 200});
+                        QVERIFY2(std::abs(px.x - x - 0.5) <= 2 && std::abs(px.y - y - 0.5) <= 2,
+                                 qPrintable(QStringLiteral("cloud %1, %2 and %3 px off, frame %4")
+                                                .arg(hit->cloud)
+                                                .arg(px.x - x)
+                                                .arg(px.y - y)
+                                                .arg(frame)));
+                        ++hits[hit->cloud];
+                    }
+        }
+        QVERIFY(hits[0] > 1000 && hits[1] > 1000);
+    }
 }
 
 // Clouds that come up with attributes of their own show that of the legend; what lacks it does not spoil its range.

@@ -206,12 +206,16 @@ void CpuBackend::reproject(const FrameScene& scene)
     if (m_bands.size() != bands * layers) m_bands.assign(bands * layers, {});
     tbb::parallel_for(std::size_t(0), bands, [&](std::size_t band) {
         Band* const lists = m_bands.data() + band * layers;
+        LayerLookup lookup(scene);
         for (std::size_t layer = 0; layer < layers; ++layer) {
             lists[layer].visible.clear();
-            std::swap(lists[layer].hidden, lists[layer].again);
+            lists[layer].again.clear();
+        }
+        // Points of a layer may have hidden those of others.
+        for (std::size_t layer = 0; layer < layers; ++layer) {
+            for (const PointId id : lists[layer].hidden) lists[lookup.layerOf(id)].again.push_back(id);
             lists[layer].hidden.clear();
         }
-        LayerLookup lookup(scene);
         PointId last = kNoPoint;
         const auto part = cellSpan().subspan(band * kBandCells);
         for (std::uint64_t& cell : part.first(std::min(kBandCells, part.size()))) {

@@ -59,7 +59,7 @@ private:
     /// would otherwise take 4 M.
     struct Band {
         std::vector<PointId> visible;
-        std::vector<PointId> hidden;  ///< of `visible`, by the last reproject()
+        std::vector<PointId> hidden;  ///< by `visible` or of it, in the last reproject(): of any layer
         std::vector<PointId> again;   ///< hidden by the one before
     };
     std::vector<Band> m_bands;  ///< kept, so that memory is not asked for each frame
