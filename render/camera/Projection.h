@@ -27,8 +27,8 @@ struct PointStyle {
 /// integer grid nearest to the eye, so that float keeps its digits where one looks from, at any distance from the
 /// origin of the CRS.
 ///
-/// `scene`: the box (world) of all that the picture shows. Seen in parallel, depths are told from a place before it,
-/// so that those of several stores compare; empty: the store is all there is.
+/// `scene`: the box (world) of all that the picture shows. Seen in parallel, depths are told from a place before
+/// it, so that those of several stores compare; empty: the store is all there is.
 LayerProjection makeProjection(const Camera& camera, const PointStore& store, const PicturePart& part,
                                const PointStyle& style = {}, const WorldBounds& scene = {});
 /// What of a store lies inside; `reference`: of its projection. At most kMostClipPlanes planes count.

@@ -159,7 +159,7 @@ void CameraTest::textOfACamera()
     QCOMPARE(back.stretch, c.stretch);
     for (const char* text :
          {"", "[]", "{\"eye\": 1}", "{\"pitch\": 91}", "{\"orthographic\": 1}", "{\"eyes\": [1,2,3]}"})
-        QVERIFY_EXCEPTION_THROWN(readCamera(text, fitted, {}, kSize), Error);
+        QVERIFY_THROWS_EXCEPTION(Error, readCamera(text, fitted, {}, kSize));
 }
 
 // Lengths of a degree on WGS 84 as tables of geodesy have them, and what the camera makes of them.

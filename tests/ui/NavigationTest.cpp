@@ -490,7 +490,7 @@ private slots:
             QVERIFY(
                 waitFor([&] { return b.window->places().views()[1].name == QStringLiteral("West gable"); }, 5'000));
             bool asked = false;
-            b.window->workspace().askQuestion = [&](const Question&, std::function<void(bool)> answer) {
+            b.window->workspace().askQuestion = [&](const Question&, const std::function<void(bool)>& answer) {
                 asked = true;
                 answer(true);
             };
