@@ -147,6 +147,7 @@ void addBench(CLI::App& root, Action& action)
     addBenchLoad(bench, action);
     addBenchSave(bench, action);
     addBenchRender(bench, action);
+    addBenchView(bench, action);
     addBenchOrder(bench, action);
     addBenchAttribute(bench, action);
     addBenchEdit(bench, action);

@@ -34,6 +34,7 @@ void addBenchOptions(CLI::App& command, BenchOptions& options);
 void addBenchLoad(CLI::App& bench, Action& action);
 void addBenchSave(CLI::App& bench, Action& action);
 void addBenchRender(CLI::App& bench, Action& action);
+void addBenchView(CLI::App& bench, Action& action);
 void addBenchOrder(CLI::App& bench, Action& action);
 void addBenchAttribute(CLI::App& bench, Action& action);
 void addBenchEdit(CLI::App& bench, Action& action);

@@ -33,6 +33,9 @@ struct ProgressiveRenderer::Entry {
     glm::dvec3 spacingStretch{0};               ///< ... this view and ...
     PointIndex filledAtSpacing = 0;             ///< ... so many points
 
+    /// What a slot costs on average, next to one in sight: others cost little, but not nothing.
+    double weight = 1.0;
+
     bool passDone() const noexcept { return drawn >= store->slotCount() || filledAtStart == 0; }
     /// Of its slots, drawn in this pass.
     double share() const noexcept { return double(drawn) / double(store->slotCount()); }

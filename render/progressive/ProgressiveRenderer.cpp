@@ -43,6 +43,9 @@ constexpr std::uint64_t kOffer = 4;
 constexpr std::uint64_t kFirstShare = 32;
 constexpr std::uint64_t kMostFirst = 1'000'000;
 
+/// What a slot costs that is out of sight, next to one that is drawn.
+constexpr double kUnseenCost = 0.01;
+
 /// A lamp up and left of the eye, as maps have it: what is seen from the top is not all white then.
 glm::vec3 lampOf(const Camera& camera)
 {
@@ -245,6 +248,12 @@ void ProgressiveRenderer::updateScene()
                                   makeProjection(m_camera, *entry->store, part, styleOf(*entry), all)});
         Layer& layer = m_scene.layers.back();
         layer.clip = makeClip(clip, *entry->store, layer.projection.reference);
+        entry->weight = 1.0;
+        // While a file loads the boxes still grow.
+        if (entry->store->filled() < entry->store->cloud().size()) continue;
+        const auto visible = std::make_shared<const VisibleStretches>(layer, m_size);
+        entry->weight = std::min(1.0, visible->share() + kUnseenCost);
+        if (!visible->all()) layer.visible = visible;
     }
     m_scene.classVisible = m_display.classVisible;
     m_scene.allClassesVisible =
@@ -362,10 +371,14 @@ void ProgressiveRenderer::fillTimed(double deadline)
             m_timedRuns.push_back({k, {at, at + count}, window});
             at = at + count == slots ? 0 : at + count;
             undrawn -= count;
-            left -= std::min<std::uint64_t>(left, count);
+            left -= std::min<std::uint64_t>(left, std::uint64_t(std::ceil(count * entry.weight)));
         };
-        if (m_timedRuns.empty()) take(std::clamp<std::uint64_t>(offer / kFirstShare, kLeastRun, kMostFirst));
-        while (left > 0 && undrawn > 0) take(left);
+        const auto slotsFor = [&](std::uint64_t drawn) {
+            return std::uint64_t(std::min(double(drawn) / entry.weight, double(slots)));
+        };
+        if (m_timedRuns.empty())
+            take(std::clamp<std::uint64_t>(slotsFor(offer / kFirstShare), kLeastRun, kMostFirst));
+        while (left > 0 && undrawn > 0) take(slotsFor(left));
     }
     if (!m_timedRuns.empty()) m_backend->drawTimed(m_scene, m_timedRuns, seconds);
 }
@@ -374,11 +387,11 @@ void ProgressiveRenderer::countTimed()
 {
     if (m_timedRuns.empty()) return;
     const RasterBackend::Timed timed = m_backend->timed();
-    m_cost.observe(timed.drawn, timed.seconds);
     m_fillDone = m_clockStarted + timed.done;
     m_passes.reproject = timed.before;
     m_passes.fill = timed.seconds;
     std::uint64_t left = timed.drawn;
+    double weighted = 0;
     for (const RasterBackend::Run& run : m_timedRuns) {
         Entry& entry = *m_entries[run.layer];
         const auto count = Slot(std::min<std::uint64_t>(run.range.size(), left));
@@ -386,8 +399,10 @@ void ProgressiveRenderer::countTimed()
         entry.cursor = run.range.first + count == entry.store->slotCount() ? 0 : run.range.first + count;
         entry.drawn += count;
         m_filled += count;
+        weighted += count * entry.weight;
         left -= count;
     }
+    m_cost.observe(std::uint64_t(std::ceil(weighted)), timed.seconds);
     m_timedRuns.clear();
 }
 
@@ -413,15 +428,17 @@ void ProgressiveRenderer::fill(double deadline)
 
         Entry& entry = *m_entries[next];
         const Slot slots = entry.store->slotCount(), window = entry.store->order().windowSize();
-        const auto affordable =
-            std::min<std::uint64_t>(m_cost.affordable(std::max(0.0, deadline - started)), slots);
+        const auto affordable = std::uint64_t(
+            std::min(double(m_cost.affordable(std::max(0.0, deadline - started))) / entry.weight, double(slots)));
         std::uint64_t run =
             m_pointsAFrame > 0 ? m_pointsAFrame - m_filled : std::max<std::uint64_t>(affordable, kLeastRun);
+        // A picture that is nearly full is made full: one more frame for the rest would cost more.
+        if (m_pointsAFrame == 0 && run + run / 4 >= slots - entry.drawn) run = slots;
         run = (run + window - 1) / window * window;
         const Slot count = Slot(std::min<std::uint64_t>({run, slots - entry.drawn, slots - entry.cursor}));
         m_backend->draw(m_scene, next, {entry.cursor, entry.cursor + count});
         m_backend->finish();
-        m_cost.observe(count, now() - started);
+        m_cost.observe(std::uint64_t(std::ceil(count * entry.weight)), now() - started);
         entry.cursor = entry.cursor + count == slots ? 0 : entry.cursor + count;
         entry.drawn += count;
         m_filled += count;
@@ -469,6 +486,14 @@ bool ProgressiveRenderer::ready() const noexcept
 bool ProgressiveRenderer::converged() const noexcept
 {
     return ready();
+}
+
+PointIndex ProgressiveRenderer::pointsInSight() const noexcept
+{
+    double points = 0;
+    for (const Layer& layer : m_scene.layers)
+        points += double(layer.store->cloud().size()) * (layer.visible ? layer.visible->share() : 1.0);
+    return PointIndex(std::llround(points));
 }
 
 void ProgressiveRenderer::judgeColors()
@@ -524,7 +549,10 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
         m_passes.reproject = now() - m_clockStarted;
     }
     const bool streaming = m_streaming = anyStale();
-    const double deadline = started + budget - m_resolveSeconds;
+    // Where making the picture takes most of a frame, a still one would hardly come on: half of the time is for
+    // points.
+    const double deadline =
+        std::max(started + budget - m_resolveSeconds, viewChanged || budget <= 0 ? 0.0 : now() + m_resolveSeconds);
     // While an attribute streams, filling and streaming share what is left of the frame.
     const double fillStarted = now();
     fill(streaming ? now() + (deadline - now()) / 2 : deadline);
@@ -577,6 +605,7 @@ FrameReport ProgressiveRenderer::renderBruteForce()
     agreeOnAttribute();
     judgeColors();
     updateScene();
+    for (Layer& layer : m_scene.layers) layer.visible = nullptr;
     if (m_backend->target() == m_size)
         m_backend->clear();
     else

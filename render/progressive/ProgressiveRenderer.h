@@ -118,6 +118,8 @@ public:
     /// Of each pixel, as RasterBackend::depths().
     void depths(std::vector<float>& out) { m_backend->depths(out); }
     bool converged() const noexcept;
+    /// Points that a full picture of the present view looks at, about: those of stretches in sight.
+    PointIndex pointsInSight() const noexcept;
 
     /// The points of a cloud that the picture shows; say so once it has converged.
     PointSet visiblePoints(const PointCloud& cloud);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "render/raster/VisibleStretches.h"
 #include "render/resolve/Image.h"
 #include "render/resolve/ResolveSettings.h"
 #include "render/store/PointStore.h"
@@ -121,6 +122,8 @@ struct Layer {
     PointId firstId = 0;
     LayerProjection projection;
     LayerClip clip{};
+    /// Runs of slots are drawn where it says that something is in sight; null: everywhere.
+    std::shared_ptr<const VisibleStretches> visible{};
 };
 
 /// What a frame draws: all layers as one camera sees them, and which classes are shown. Points that a store hides

@@ -15,6 +15,13 @@ struct LocalPosition {
 };
 static_assert(sizeof(LocalPosition) == 12);
 
+/// Smallest box of positions, both ends included.
+struct LocalBox {
+    glm::ivec3 low{INT32_MAX};
+    glm::ivec3 high{INT32_MIN};
+    bool empty() const noexcept { return low.x > high.x; }
+};
+
 /// `local` integer frame of a store: local = (raw - origin) >> shift, always > 0 for points inside the frame.
 /// The origin comes from the data, not from the header's offset. shift is 0 unless the raw extent is above 2^30.
 struct LocalFrame {

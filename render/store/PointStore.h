@@ -8,6 +8,7 @@
 #include "render/store/AttributeEncoder.h"
 #include "render/store/LocalFrame.h"
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <mutex>
@@ -62,6 +63,16 @@ public:
     std::span<const LocalPosition> positions() const noexcept;
     std::span<const std::uint32_t> words() const noexcept;  ///< shown attribute, see AttributeEncoder
     std::span<const std::uint8_t> classes() const noexcept;
+
+    // -- what lies together in the file
+    /// A stretch: so many consecutive points of the file. In each window of the order they are consecutive slots.
+    static constexpr PointIndex kStretchPoints = 16'384;
+    /// 0 in the prime order, whose slots lie anywhere.
+    std::size_t stretches() const noexcept { return m_boxes.size(); }
+    /// Slots of a stretch in each window; the last one has fewer.
+    Slot stretchPlaces() const noexcept { return Slot(kStretchPoints >> m_order.groupBits()); }
+    /// Of the points of a stretch that have come so far; of all once filled() says so.
+    LocalBox boxOf(std::size_t stretch) const noexcept;
 
     // -- points that are not to be drawn, whatever their class
     /// Hides these points of the cloud from now on, and no others; null: none. In parallel, some nanoseconds a
@@ -130,6 +141,14 @@ private:
     /// the caller to raise.
     void put(PointRange range, const AttributeEncoder& encoder, bool positions);
     void bumpVersions(PointRange range, bool positions) noexcept;
+    /// Points of one stretch, by their raw coordinates, axis by axis.
+    void grow(std::size_t stretch, const std::int32_t* const axes[3], std::size_t count) noexcept;
+
+    /// Of raw coordinates: the frame may become another one.
+    struct Box {
+        std::array<std::atomic<std::int32_t>, 3> low{INT32_MAX, INT32_MAX, INT32_MAX};
+        std::array<std::atomic<std::int32_t>, 3> high{INT32_MIN, INT32_MIN, INT32_MIN};
+    };
 
     Identity m_identity;
     std::shared_ptr<const PointCloud> m_cloud;
@@ -137,6 +156,7 @@ private:
     RawBounds m_bounds;
     LocalFrame m_frame;
     Buffer m_positions, m_words, m_classes, m_hidden;
+    std::vector<Box> m_boxes;    ///< by stretch
     Attribute m_classification;  ///< without columns when the cloud has none
     mutable std::mutex m_encoderMutex;
     std::shared_ptr<const AttributeEncoder> m_encoder;

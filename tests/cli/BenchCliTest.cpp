@@ -107,6 +107,10 @@ private slots:
         QTest::newRow("attribute") << QStringList{"attribute"}
                                    << QStringList{"switch_visible_ms", "switch_all_ms", "mpts_per_s",
                                                   "turning_frame_ms_p95"};
+        QTest::newRow("view") << QStringList{"view", "--share", "0.2"}
+                              << QStringList{"full_picture_ms", "points_read", "brute_force_ms"};
+        QTest::newRow("section") << QStringList{"view", "--section", "0.01"}
+                                 << QStringList{"full_picture_ms", "points_read", "brute_force_ms"};
         QTest::newRow("order") << QStringList{"order", "--size", "320x200"} << QStringList{};
         QTest::newRow("edit") << QStringList{"edit"} << QStringList{"points_changed", "visible_ms", "undo_ms"};
         QTest::newRow("select") << QStringList{"select"}

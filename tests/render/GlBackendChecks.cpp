@@ -150,6 +150,17 @@ void GlBackendChecks::convergedEqualsBruteForce()
     View reference(gl(), {store}, camera, display);
     const Image expected = reference.bruteForce();
     QVERIFY(share(converged, expected, reference.renderer.coveredShare()) <= m_tolerance.converged);
+    // From near: what is out of sight is left out, and nothing else.
+    camera.fit({{90, 90, -20}, {110, 110, 40}}, {expected.width, expected.height});
+    view.renderer.setCamera(camera);
+    view.converge(0.01);
+    reference.renderer.setCamera(camera);
+    QVERIFY(share(view.renderer.image(), reference.bruteForce(), reference.renderer.coveredShare()) <=
+            m_tolerance.converged);
+    camera = cameraFor(*cloud);
+    for (int k = 0; k < 5; ++k) camera.orbit(0.03, 0.01);
+    camera.orthographic = orthographic;
+    view.renderer.setCamera(camera);
     // Once more over the same buffer: nothing is left of the picture before.
     view.bruteForce();
     QCOMPARE(differing(view.renderer.image(), expected), 0);

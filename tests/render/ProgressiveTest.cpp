@@ -150,7 +150,8 @@ void ProgressiveTest::convergedEqualsBruteForce()
         view.renderer.setCamera(camera);
         view.renderer.renderFrame(kTinyBudget);
     }
-    QVERIFY(view.converge(kTinyBudget / 10) > 1);
+    view.renderer.setPointsAFrame(60'000);
+    QVERIFY(view.converge() > 1);
     const Image converged = view.renderer.image();
     View reference({store}, camera, display);
     QCOMPARE(differing(converged, reference.bruteForce()), 0);

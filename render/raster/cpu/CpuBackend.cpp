@@ -27,7 +27,7 @@ constexpr std::uint64_t kEmpty = ~std::uint64_t(0);
 constexpr std::uint64_t kMostCells = 0xFFFFFFFFu;
 
 /// Slots a task draws: long enough to hide scheduling, short enough to share a run among threads.
-constexpr std::size_t kDrawGrain = 8192;
+constexpr Slot kDrawGrain = 8192;
 /// How many ids ahead positions are asked for.
 constexpr std::size_t kPrefetchAhead = 64;
 /// Cells whose ids make one list when the picture is seen anew.
@@ -143,6 +143,60 @@ void drawIds(const Drawing& d, std::span<const PointId> ids, std::vector<PointId
     }
 }
 
+/// Calls each(block, count) for the projected points of a run of slots, where something is in sight. `pieces`: room
+/// that is kept.
+template <typename Each>
+void forEachBlock(const Drawing& d, const Layer& layer, SlotRange slots, std::vector<SlotRange>& pieces,
+                  const Each& each)
+{
+    if (!layer.visible || layer.visible->all()) {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(slots.first, slots.last, kDrawGrain), [&](const auto& r) {
+            ProjectedBlock block;
+            for (std::size_t at = r.begin(); at < r.end(); at += kProjectBlock) {
+                const std::size_t count = std::min(kProjectBlock, r.end() - at);
+                each(block,
+                     d.kernel.project(&d.positions[at].x, count, d.firstId + PointId(at), d.arguments, block));
+            }
+        });
+        return;
+    }
+    pieces.clear();
+    layer.visible->pieces(slots, kDrawGrain, pieces);
+    std::size_t all = 0;
+    for (const SlotRange& piece : pieces) all += piece.size();
+    const std::size_t grain = std::max<std::size_t>(1, pieces.size() * kDrawGrain / std::max<std::size_t>(all, 1));
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pieces.size(), grain), [&](const auto& r) {
+        ProjectedBlock block;
+        LocalPosition gathered[kProjectBlock + 8];
+        PointId ids[kProjectBlock];
+        std::size_t waiting = 0;  // of short pieces, which are drawn together
+        const auto drawGathered = [&] {
+            const std::size_t kept = d.kernel.project(&gathered[0].x, waiting, 0, d.arguments, block);
+            for (std::size_t k = 0; k < kept; ++k) block.id[k] = ids[block.id[k]];
+            waiting = 0;
+            each(block, kept);
+        };
+        for (std::size_t piece = r.begin(); piece != r.end(); ++piece) {
+            std::size_t at = pieces[piece].first;
+            const std::size_t end = pieces[piece].last;
+            for (; end - at >= kProjectBlock; at += kProjectBlock)
+                each(block, d.kernel.project(&d.positions[at].x, kProjectBlock, d.firstId + PointId(at),
+                                             d.arguments, block));
+            while (at < end) {
+                const std::size_t count = std::min(end - at, kProjectBlock - waiting);
+                for (std::size_t k = 0; k < count; ++k) {
+                    gathered[waiting + k] = d.positions[at + k];
+                    ids[waiting + k] = d.firstId + PointId(at + k);
+                }
+                at += count;
+                waiting += count;
+                if (waiting == kProjectBlock) drawGathered();
+            }
+        }
+        if (waiting > 0) drawGathered();
+    });
+}
+
 }  // namespace
 
 CpuBackend::CpuBackend(const KernelChoice& kernel) : m_kernel(kernel) {}
@@ -239,15 +293,8 @@ void CpuBackend::reproject(const FrameScene& scene)
 void CpuBackend::draw(const FrameScene& scene, std::size_t layer, SlotRange slots)
 {
     const Drawing d = prepare(m_kernel, scene, layer, m_size, cellSpan().data());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(slots.first, slots.last, kDrawGrain), [&](const auto& r) {
-        ProjectedBlock block;
-        for (std::size_t at = r.begin(); at < r.end(); at += kProjectBlock) {
-            const std::size_t count = std::min(kProjectBlock, r.end() - at);
-            const std::size_t kept =
-                m_kernel.project(&d.positions[at].x, count, d.firstId + PointId(at), d.arguments, block);
-            splat(d, block, kept);
-        }
-    });
+    forEachBlock(d, scene.layers[layer], slots, m_pieces,
+                 [&](ProjectedBlock& block, std::size_t kept) { splat(d, block, kept); });
 }
 
 void CpuBackend::addColors(const FrameScene& scene, const ResolveSettings& settings, std::size_t layer,
@@ -256,17 +303,12 @@ void CpuBackend::addColors(const FrameScene& scene, const ResolveSettings& setti
     m_sums.reserve(cells().size());
     const Drawing d = prepare(m_kernel, scene, layer, m_size, cellSpan().data());
     const std::uint32_t* const words = scene.layers[layer].store->words().data();
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(slots.first, slots.last, kDrawGrain), [&](const auto& r) {
-        ProjectedBlock block;
+    forEachBlock(d, scene.layers[layer], slots, m_pieces, [&](ProjectedBlock& block, std::size_t projected) {
         Rgba8 colors[kProjectBlock];
-        for (std::size_t at = r.begin(); at < r.end(); at += kProjectBlock) {
-            const std::size_t count = std::min(kProjectBlock, r.end() - at);
-            const std::size_t kept = keepShown(
-                d, block, m_kernel.project(&d.positions[at].x, count, d.firstId + PointId(at), d.arguments, block));
-            for (std::size_t k = 0; k < kept; ++k)
-                colors[k] = colorOf(words[block.id[k] - d.firstId], settings.layers[layer], settings);
-            m_sums.add(d.target, block, kept, colors);
-        }
+        const std::size_t kept = keepShown(d, block, projected);
+        for (std::size_t k = 0; k < kept; ++k)
+            colors[k] = colorOf(words[block.id[k] - d.firstId], settings.layers[layer], settings);
+        m_sums.add(d.target, block, kept, colors);
     });
 }
 

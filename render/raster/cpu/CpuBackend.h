@@ -62,7 +62,8 @@ private:
         std::vector<PointId> hidden;  ///< by `visible` or of it, in the last reproject(): of any layer
         std::vector<PointId> again;   ///< hidden by the one before
     };
-    std::vector<Band> m_bands;  ///< kept, so that memory is not asked for each frame
+    std::vector<SlotRange> m_pieces;  ///< of a run, in sight; kept likewise
+    std::vector<Band> m_bands;        ///< kept, so that memory is not asked for each frame
 };
 
 }  // namespace punctum::render

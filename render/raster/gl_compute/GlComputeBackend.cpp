@@ -9,6 +9,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <map>
 
@@ -33,6 +34,7 @@ struct Variant {
     bool commands = false;  ///< which points is said by a command on the device ...
     bool list = false;      ///< ... and by a list
     bool filter = false;
+    bool stretches = false;  ///< points out of sight are left out by stretches
     bool pixels = false;
     int samples = 1;
     friend auto operator<=>(const Variant&, const Variant&) = default;  // NOLINT(modernize-use-nullptr)
@@ -54,6 +56,7 @@ GlProgram makeProgram(const Variant& v)
     if (v.commands) define("COMMANDS", "");
     if (v.list) define("LIST", "");
     if (v.filter) define("FILTER", "");
+    if (v.stretches) define("STRETCHES", "");
     if (v.pixels) define("PIXELS", "");
     std::string places;
     for (int s = 0; s < v.samples; ++s) {
@@ -80,6 +83,12 @@ bool hasWideAtomics()
     } catch (const Error&) {
         return false;
     }
+}
+
+/// Whether runs of slots are drawn by what is in sight. A window is no shorter than a step of a work group then.
+bool byStretches(const Layer& layer)
+{
+    return layer.visible && !layer.visible->all() && layer.store->order().windowSize() >= kGroupSize;
 }
 
 class GlComputeBackend final : public GlBackend
@@ -117,9 +126,12 @@ private:
     /// Runs the program that is in use over these slots; `each` binds more of a chunk.
     template <class F>
     void dispatch(const FrameScene& scene, const Layer& layer, SlotRange slots, F&& each);
+    /// What is in sight of the layer, for the shader.
+    void bindInSight(const Layer& layer);
     void bindChunk(const FrameScene& scene, const Layer& layer, const GlPointCopy::Chunk& chunk);
 
     bool m_wide;
+    bool m_stretches = false;      ///< of the program in use
     GlBufferVisibility* m_target;  ///< the visibility buffer, which GlBackend owns
     std::map<Variant, GlProgram> m_programs;
 };
@@ -143,6 +155,8 @@ void GlComputeBackend::use(Variant variant, const FrameScene& scene, const Layer
     const LayerProjection& p = layer.projection;
     const TargetSize size = target();
     variant.filter = scene.filters();
+    variant.stretches = !variant.list && variant.pass != kAdding && byStretches(layer);
+    m_stretches = variant.stretches;
     variant.pixels = p.singlePixels(size.samples);
     variant.samples = size.samples;
     GlProgram& program = m_programs[variant];
@@ -155,6 +169,19 @@ void GlComputeBackend::use(Variant variant, const FrameScene& scene, const Layer
     glUniform4f(at::kKept, -margin, float(size.width) + margin, -margin, float(size.height) + margin);
     glUniform4i(at::kBand, band.firstRow, band.lastRow, size.width, 0);
     if (scene.filters()) glUniform4uiv(at::kShownClasses, 2, shownClasses(scene).data());
+    if (variant.stretches) bindInSight(layer);
+}
+
+void GlComputeBackend::bindInSight(const Layer& layer)
+{
+    GlPointCopy& copy = copyOf(layer);
+    if (copy.visible != layer.visible) {
+        const auto bits = layer.visible->bits();
+        copy.inSight.reserve(bits.size_bytes());
+        copy.inSight.write(0, bits.data(), bits.size_bytes(), counted());
+        copy.visible = layer.visible;
+    }
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, copy.inSight.id());
 }
 
 void GlComputeBackend::bindChunk(const FrameScene& scene, const Layer& layer, const GlPointCopy::Chunk& chunk)
@@ -162,6 +189,10 @@ void GlComputeBackend::bindChunk(const FrameScene& scene, const Layer& layer, co
     glUniform1ui(at::kFirstId, layer.firstId + chunk.first);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, chunk.positions.id());
     if (scene.filters()) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, chunk.groups.id());
+    if (!m_stretches) return;
+    const PointStore& store = *layer.store;
+    glUniform3ui(at::kStretches, store.order().windowSize(), GLuint(std::countr_zero(store.stretchPlaces())),
+                 chunk.first);
 }
 
 template <class F>

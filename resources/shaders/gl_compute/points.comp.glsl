@@ -43,6 +43,11 @@ layout(std430, binding = 5) coherent buffer Ids { uint ids[]; };
 layout(std430, binding = 6) coherent buffer Depths { uint depths[]; };
 #endif
 
+#ifdef STRETCHES
+layout(std430, binding = 4) readonly buffer InSight { uint inSight[]; };  // VisibleStretches::bits()
+layout(location = AT_stretches) uniform uvec3 stretches;  // slots of a window, log2 of a stretch's, the chunk's first slot
+#endif
+
 layout(location = AT_kept) uniform vec4 kept;       // points with lowX <= x < highX and lowY <= y < highY are drawn
 layout(location = AT_firstId) uniform uint firstId;   // of the chunk's first slot
 layout(location = AT_band) uniform ivec4 band;     // first row, last row (excluded), width
@@ -127,9 +132,17 @@ void main()
 #endif
     const uint begin = first + gl_WorkGroupID.x * uint(GROUP_POINTS);
     const uint end = min(last, begin + uint(GROUP_POINTS));
+#ifdef STRETCHES
+    uint place = (stretches.z + begin + gl_LocalInvocationID.x) % stretches.x;  // in the window
+#endif
     for (uint i = begin + gl_LocalInvocationID.x; i < end; i += uint(GROUP_SIZE)) {
 #ifdef LIST
         draw(list[i]);
+#elif defined(STRETCHES)
+        const uint stretch = place >> stretches.y;
+        place += uint(GROUP_SIZE);
+        if (place >= stretches.x) place -= stretches.x;  // a window is no shorter than that step
+        if ((inSight[stretch >> 5] & (1u << (stretch & 31u))) != 0u) draw(i);
 #else
         draw(i);
 #endif
