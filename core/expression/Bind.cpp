@@ -172,7 +172,8 @@ private:
         throw ExpressionError(m_bindings.text, byte, sentence);
     }
 
-    /// Calls itself for each level of the tree, and so keeps nothing on the stack.
+    /// Calls itself for each level of the tree, and so keeps nothing on the stack: what it calls is not put into
+    /// it.
     Node any(const Syntax& s, bool classes)
     {
         switch (s.kind) {
@@ -200,9 +201,12 @@ private:
         return choice(s, classes);
     }
 
-    Node negation(const Syntax& s) { return same(Op::Negate, s.byte, value(s.children[0], false)); }
+    [[gnu::noinline]] Node negation(const Syntax& s)
+    {
+        return same(Op::Negate, s.byte, value(s.children[0], false));
+    }
 
-    Node joined(const Syntax& s)
+    [[gnu::noinline]] Node joined(const Syntax& s)
     {
         const Op op = s.kind == Kind::Not ? Op::Not : s.kind == Kind::And ? Op::And : Op::Or;
         Node node = makeNode(op, Type::Condition, s.byte, {});
@@ -210,7 +214,7 @@ private:
         return node;
     }
 
-    Node choice(const Syntax& s, bool classes)
+    [[gnu::noinline]] Node choice(const Syntax& s, bool classes)
     {
         Node yes = value(s.children[0], classes), no = value(s.children[2], classes);
         Node decides = condition(s.children[1]);
@@ -222,7 +226,7 @@ private:
         return node;
     }
 
-    Node literal(const Syntax& s)
+    [[gnu::noinline]] Node literal(const Syntax& s)
     {
         Node node = numberNode(toDouble(s.number), s.byte);
         if (std::holds_alternative<double>(s.number)) return node;
@@ -251,7 +255,7 @@ private:
         fail(s.byte, "there is no class and no attribute \"" + s.text + "\"" + suggestion(s.text, names));
     }
 
-    Node name(const Syntax& s, bool classes)
+    [[gnu::noinline]] Node name(const Syntax& s, bool classes)
     {
         if (m_bindings.cloud->findAttribute(s.text) == nullptr) {
             if (classes)
@@ -285,7 +289,7 @@ private:
         }
     }
 
-    Node arithmetic(const Syntax& s)
+    [[gnu::noinline]] Node arithmetic(const Syntax& s)
     {
         Node a = value(s.children[0], false), b = value(s.children[1], false);
         const Op op = rowOf(kArithmetic, s.text).op;
@@ -307,7 +311,7 @@ private:
         return a != nullptr && a->kind == AttributeKind::Class;
     }
 
-    Node comparison(const Syntax& s)
+    [[gnu::noinline]] Node comparison(const Syntax& s)
     {
         const bool classes = isClass(s.children[0]) || isClass(s.children[1]);
         Node a = value(s.children[0], classes), b = value(s.children[1], classes);
@@ -336,7 +340,7 @@ private:
         return makeNode(op, Type::Condition, s.byte, list(std::move(a), std::move(b)));
     }
 
-    Node within(const Syntax& s)
+    [[gnu::noinline]] Node within(const Syntax& s)
     {
         const bool classes = isClass(s.children[0]);
         Node node = makeNode(Op::Within, Type::Condition, s.byte, list(value(s.children[0], classes)));
@@ -406,7 +410,7 @@ private:
             constant.number = typedValue(m_bindings.attributes[subject.attribute], constant.number);
     }
 
-    Node call(const Syntax& s)
+    [[gnu::noinline]] Node call(const Syntax& s)
     {
         std::string key;
         for (const char c : s.text) key += smallLetter(c);

@@ -14,8 +14,8 @@ namespace punctum::render
 /// picture equals the brute-force picture bit for bit. From the CPU backend it differs by last bits of float
 /// arithmetic.
 ///
-/// What is out of sight is left out by stretches of the file (VisibleStretches), not by batches as in the paper: a run
-/// of slots is spread over the whole cloud.
+/// What is out of sight is left out by stretches of the file (VisibleStretches), not by batches as in the paper: a
+/// run of slots is spread over the whole cloud.
 struct GlComputeOptions {
     GlLimits limits;
     bool allowWide = true;  ///< false: two passes, even where there are 64-bit atomics
