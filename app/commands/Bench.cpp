@@ -118,14 +118,24 @@ void warmFileCache(const std::filesystem::path& path, Progress& progress)
     while (file.read(block.data(), std::streamsize(block.size()))) progress.check();
 }
 
-render::Camera benchCamera(const DrawableCloud& cloud, int width, int height)
+render::Camera benchCamera(const DrawableCloud& cloud, int width, int height, double share)
 {
     render::Camera camera;
     camera.setView("iso");
-    const WorldBounds box = cloud.cloud->coordinates().toWorld(cloud.bounds);
+    WorldBounds box = cloud.cloud->coordinates().toWorld(cloud.bounds);
     camera.stretch = trueLengths(*cloud.cloud, box).stretch;
+    const glm::dvec3 margin = (box.max - box.min) * glm::dvec3(1.0, 1.0, 0.0) * (1.0 - share) / 2.0;
+    box.min += margin;
+    box.max -= margin;
     camera.fit(box, {width, height});
     return camera;
+}
+
+void beginEmpty(render::ProgressiveRenderer& renderer, int width, int height)
+{
+    // a target of another size and back is a new one, with nothing in it
+    renderer.setSize(width + 8, height);
+    renderer.setSize(width, height);
 }
 
 void show(render::ProgressiveRenderer& renderer, const DrawableCloud& cloud, int width, int height,

@@ -84,8 +84,12 @@ void warmFileCache(const std::filesystem::path& path, Progress& progress);
 /// find pages that have lain idle (up to two seconds for 20 M points here) is not what the program costs.
 void warmMemory(std::uint64_t bytes);
 
-/// The picture every benchmark draws: an oblique view that shows the whole cloud.
-render::Camera benchCamera(const DrawableCloud& cloud, int width, int height);
+/// The picture every benchmark draws: an oblique view that shows the whole cloud, or so much of its sides, in the
+/// middle.
+render::Camera benchCamera(const DrawableCloud& cloud, int width, int height, double share = 1.0);
+
+/// The next frame begins with an empty picture of this size.
+void beginEmpty(render::ProgressiveRenderer& renderer, int width, int height);
 
 /// A renderer that shows the cloud at the benchmark's camera, nothing drawn yet.
 void show(render::ProgressiveRenderer& renderer, const DrawableCloud& cloud, int width, int height,

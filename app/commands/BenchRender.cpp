@@ -42,9 +42,7 @@ struct Stage {
     double seconds() const noexcept { return options.budget * 1e-3; }
     void empty() const
     {
-        // a target of another size and back is a new one, with nothing in it
-        renderer.setSize(options.size.width + 8, options.size.height);
-        renderer.setSize(options.size.width, options.size.height);
+        beginEmpty(renderer, options.size.width, options.size.height);
         renderer.setCamera(camera);
     }
     render::Camera turned(int frame) const

@@ -20,20 +20,6 @@ struct BenchViewOptions : BenchOptions {
     std::optional<double> section;
 };
 
-/// Sees so much of each side of the cloud, in its middle, at a slant.
-render::Camera partCamera(const WorldBounds& box, double share, const glm::dvec3& stretch)
-{
-    const glm::dvec3 middle = (box.min + box.max) / 2.0, half = (box.max - box.min) * share / 2.0;
-    WorldBounds part{middle - half, middle + half};
-    part.min.z = box.min.z;
-    part.max.z = box.max.z;
-    render::Camera camera;
-    camera.setView("iso");
-    camera.stretch = stretch;
-    camera.fit(part, {kBenchWidth, kBenchHeight});
-    return camera;
-}
-
 /// A strip along the longer side, in the middle of the other one.
 Section stripOf(const WorldBounds& box, double share, const glm::dvec3& stretch)
 {
@@ -54,15 +40,14 @@ void runBenchView(const BenchViewOptions& options, Progress& progress)
     const DrawableCloud cloud = loadDrawable(options.file, progress);
     render::DisplaySettings display;
     const WorldBounds box = cloud.cloud->coordinates().toWorld(cloud.bounds);
-    const glm::dvec3 stretch = trueLengths(*cloud.cloud, box).stretch;
     render::Camera camera;
     if (options.section) {
-        const Section strip = stripOf(box, *options.section, stretch);
+        const Section strip = stripOf(box, *options.section, trueLengths(*cloud.cloud, box).stretch);
         const auto sides = strip.sides();
         display.clip.planes.assign(sides.begin(), sides.end());
         camera = render::sectionCamera(strip, box.min.z, box.max.z, {kBenchWidth, kBenchHeight});
     } else {
-        camera = partCamera(box, options.share.value_or(0.1), stretch);
+        camera = benchCamera(cloud, kBenchWidth, kBenchHeight, options.share.value_or(0.1));
     }
     show(renderer, cloud, kBenchWidth, kBenchHeight, display);
     renderer.setCamera(camera);
@@ -76,9 +61,7 @@ void runBenchView(const BenchViewOptions& options, Progress& progress)
         Clock clock;
         renderer.renderBruteForce();
         figures.add("brute_force_ms", clock.milliseconds());
-        // a target of another size and back is a new one, with nothing in it
-        renderer.setSize(kBenchWidth + 8, kBenchHeight);
-        renderer.setSize(kBenchWidth, kBenchHeight);
+        beginEmpty(renderer, kBenchWidth, kBenchHeight);
         clock.restart();
         while (!renderer.renderFrame(render::kFrameSeconds).converged) progress.check();
         figures.add("full_picture_ms", clock.milliseconds());
