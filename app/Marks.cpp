@@ -6,9 +6,9 @@
 #include "core/cloud/DistinctValues.h"
 #include "core/cloud/Units.h"
 #include "core/task/Progress.h"
-#include "ui/Text.h"
+#include "ui/basic/Text.h"
 #include "ui/marks/LegendOf.h"
-#include "ui/marks/PictureMarks.h"
+#include "ui/screenshot/PictureMarks.h"
 
 #include <CLI/CLI.hpp>
 

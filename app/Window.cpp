@@ -3,10 +3,10 @@
 
 #include "app/Cli.h"
 #include "app/Console.h"
-#include "ui/MainWindow.h"
-#include "ui/Text.h"
-#include "ui/ViewSettings.h"
-#include "ui/WindowSettings.h"
+#include "ui/basic/Text.h"
+#include "ui/settings/WindowSettings.h"
+#include "ui/view/ViewSettings.h"
+#include "ui/window/MainWindow.h"
 
 #include <CLI/CLI.hpp>
 

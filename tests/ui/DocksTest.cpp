@@ -2,11 +2,7 @@
 // The docks' models, held to the rules of Qt's models while documents come and go.
 #include "UiTest.h"
 
-#include "ui/MessageArea.h"
-#include "ui/Text.h"
-#include "ui/ViewSettings.h"
-#include "ui/Viewport.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
 #include "ui/docks/AttributesDock.h"
 #include "ui/docks/AttributesModel.h"
 #include "ui/docks/ClassesDock.h"
@@ -15,7 +11,11 @@
 #include "ui/docks/JobsModel.h"
 #include "ui/docks/ProcessingDock.h"
 #include "ui/docks/PropertiesDock.h"
+#include "ui/document/Workspace.h"
 #include "ui/style/NumberField.h"
+#include "ui/view/MessageArea.h"
+#include "ui/view/ViewSettings.h"
+#include "ui/view/Viewport.h"
 
 #include "core/Error.h"
 #include "core/task/Progress.h"

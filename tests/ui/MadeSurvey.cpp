@@ -4,7 +4,7 @@
 #include "core/las/Reader.h"
 #include "core/las/Writer.h"
 #include "core/task/Progress.h"
-#include "ui/Text.h"
+#include "ui/basic/Text.h"
 
 #include <QDir>
 #include <QFile>

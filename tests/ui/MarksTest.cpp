@@ -2,11 +2,11 @@
 // Legend, scale bar and north arrow as they are drawn on a picture, in the view and in saved ones.
 #include "UiTest.h"
 
-#include "ui/Viewport.h"
 #include "ui/docks/ClassesDock.h"
 #include "ui/docks/PropertiesDock.h"
 #include "ui/marks/Legend.h"
 #include "ui/marks/ScaleBar.h"
+#include "ui/view/Viewport.h"
 
 #include <QImage>
 #include <QLabel>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "tests/ui/UiTest.h"
-#include "ui/MainMenu.h"
-#include "ui/Text.h"
-#include "ui/Viewport.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Workspace.h"
 #include "ui/measure/MeasureDock.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
 #include "ui/select/SelectTools.h"
+#include "ui/view/Viewport.h"
+#include "ui/window/MainMenu.h"
 
 #include <QAction>
 #include <QApplication>

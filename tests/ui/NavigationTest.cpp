@@ -4,14 +4,8 @@
 
 #include "core/Error.h"
 #include "render/camera/CameraFile.h"
-#include "ui/MainMenu.h"
-#include "ui/MessageArea.h"
-#include "ui/Overlays.h"
-#include "ui/PivotMark.h"
-#include "ui/Text.h"
-#include "ui/Viewport.h"
-#include "ui/WindowSettings.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Workspace.h"
 #include "ui/navigate/AxesMark.h"
 #include "ui/navigate/Coordinates.h"
 #include "ui/navigate/GoToDialog.h"
@@ -19,7 +13,13 @@
 #include "ui/navigate/SavedViews.h"
 #include "ui/navigate/SavedViewsDialog.h"
 #include "ui/section/Sections.h"
+#include "ui/settings/WindowSettings.h"
 #include "ui/style/NumberField.h"
+#include "ui/view/MessageArea.h"
+#include "ui/view/Overlays.h"
+#include "ui/view/PivotMark.h"
+#include "ui/view/Viewport.h"
+#include "ui/window/MainMenu.h"
 
 #include <QClipboard>
 #include <QDialogButtonBox>

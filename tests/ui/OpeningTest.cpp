@@ -3,18 +3,18 @@
 #include "UiTest.h"
 
 #include "core/Error.h"
-#include "ui/Distinctions.h"
-#include "ui/MainMenu.h"
-#include "ui/MessageArea.h"
-#include "ui/Overlays.h"
-#include "ui/StartPage.h"
-#include "ui/Text.h"
-#include "ui/Viewport.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
 #include "ui/docks/AttributesDock.h"
 #include "ui/docks/JobsDock.h"
 #include "ui/docks/JobsModel.h"
 #include "ui/docks/ProcessingDock.h"
+#include "ui/document/Distinctions.h"
+#include "ui/document/Workspace.h"
+#include "ui/view/MessageArea.h"
+#include "ui/view/Overlays.h"
+#include "ui/view/StartPage.h"
+#include "ui/view/Viewport.h"
+#include "ui/window/MainMenu.h"
 
 #include <QComboBox>
 #include <QDir>

@@ -6,7 +6,7 @@
 #include "core/las/Writer.h"
 #include "core/process/Step.h"
 #include "core/task/Progress.h"
-#include "ui/Text.h"
+#include "ui/basic/Text.h"
 #include "ui/docks/AttributesDock.h"
 #include "ui/docks/ClassesDock.h"
 #include "ui/docks/ClassesModel.h"

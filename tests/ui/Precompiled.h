@@ -2,9 +2,9 @@
 // What most tests of this folder see, read by the compiler once. Each test includes all it needs for itself.
 #pragma once
 
-#include "ui/MainWindow.h"
-#include "ui/Viewport.h"
-#include "ui/Workspace.h"
+#include "ui/document/Workspace.h"
+#include "ui/view/Viewport.h"
+#include "ui/window/MainWindow.h"
 
 #include <QApplication>
 #include <QCheckBox>

@@ -5,11 +5,11 @@
 #include "UiTest.h"
 
 #include "core/process/Step.h"
-#include "ui/Viewport.h"
-#include "ui/Workspace.h"
 #include "ui/docks/ProcessingDock.h"
+#include "ui/document/Workspace.h"
 #include "ui/select/EditDock.h"
 #include "ui/select/RuleField.h"
+#include "ui/view/Viewport.h"
 
 #include <QElapsedTimer>
 #include <QLineEdit>

@@ -4,11 +4,11 @@
 #include "core/expression/Condition.h"
 #include "core/task/Progress.h"
 #include "render/store/PointStore.h"
-#include "ui/Text.h"
-#include "ui/ViewSettings.h"
+#include "ui/basic/Text.h"
 #include "ui/select/EditDock.h"
 #include "ui/select/RuleField.h"
 #include "ui/style/Widgets.h"
+#include "ui/view/ViewSettings.h"
 
 #include <QCheckBox>
 #include <QComboBox>

@@ -7,12 +7,12 @@
 #include "core/las/Reader.h"
 #include "core/process/Step.h"
 #include "core/task/Progress.h"
-#include "ui/MainMenu.h"
-#include "ui/MessageArea.h"
-#include "ui/Text.h"
-#include "ui/Viewport.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
 #include "ui/docks/PropertiesDock.h"
+#include "ui/document/Workspace.h"
+#include "ui/view/MessageArea.h"
+#include "ui/view/Viewport.h"
+#include "ui/window/MainMenu.h"
 
 #include <QApplication>
 #include <QDir>

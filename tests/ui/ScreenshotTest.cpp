@@ -2,15 +2,15 @@
 // Pictures of the views as files: any size, with or without marks, and the view goes on meanwhile.
 #include "UiTest.h"
 
-#include "ui/Still.h"
-#include "ui/ViewSettings.h"
-#include "ui/Viewport.h"
-#include "ui/Workspace.h"
-#include "ui/marks/PictureMarks.h"
+#include "ui/document/Workspace.h"
 #include "ui/measure/Measurements.h"
+#include "ui/screenshot/PictureMarks.h"
 #include "ui/screenshot/ScreenshotDialog.h"
 #include "ui/screenshot/Screenshots.h"
 #include "ui/section/Sections.h"
+#include "ui/view/Still.h"
+#include "ui/view/ViewSettings.h"
+#include "ui/view/Viewport.h"
 
 #include <QCheckBox>
 #include <QComboBox>

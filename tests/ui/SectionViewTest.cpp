@@ -3,11 +3,7 @@
 #include "SelectBench.h"
 
 #include "render/store/PointStore.h"
-#include "ui/ClipFrame.h"
-#include "ui/ShownPill.h"
-#include "ui/Text.h"
-#include "ui/ViewFilter.h"
-#include "ui/ViewSettings.h"
+#include "ui/basic/Text.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
 #include "ui/screenshot/Screenshots.h"
@@ -15,6 +11,10 @@
 #include "ui/section/SectionPane.h"
 #include "ui/section/SectionTool.h"
 #include "ui/section/Sections.h"
+#include "ui/view/ClipFrame.h"
+#include "ui/view/ShownPill.h"
+#include "ui/view/ViewFilter.h"
+#include "ui/view/ViewSettings.h"
 
 #include <QDoubleSpinBox>
 #include <QEventLoop>

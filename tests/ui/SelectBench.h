@@ -4,10 +4,10 @@
 #include "UiTest.h"
 
 #include "core/edit/History.h"
-#include "ui/Viewport.h"
-#include "ui/Workspace.h"
+#include "ui/document/Workspace.h"
 #include "ui/select/SelectTools.h"
 #include "ui/select/Selection.h"
+#include "ui/view/Viewport.h"
 
 #include <QMouseEvent>
 #include <QWheelEvent>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The parts of ui that need no window: navigation, texts, icons.
-#include "ui/FrameShares.h"
-#include "ui/Navigation.h"
-#include "ui/Numbers.h"
-#include "ui/Text.h"
+#include "ui/basic/Numbers.h"
+#include "ui/basic/Text.h"
 #include "ui/marks/ScaleBar.h"
 #include "ui/select/SelectionSteps.h"
 #include "ui/style/Icons.h"
+#include "ui/view/FrameShares.h"
+#include "ui/view/Navigation.h"
 
 #include <QDir>
 #include <QFile>

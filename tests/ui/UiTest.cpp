@@ -4,10 +4,10 @@
 #include "core/las/Writer.h"
 #include "core/sample/Sample.h"
 #include "core/task/Progress.h"
-#include "ui/Text.h"
-#include "ui/Viewport.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Workspace.h"
 #include "ui/style/Theme.h"
+#include "ui/view/Viewport.h"
 
 #include <QApplication>
 #include <QDir>

@@ -3,9 +3,9 @@
 
 #include "MadeSurvey.h"
 
-#include "ui/Document.h"
-#include "ui/MainWindow.h"
-#include "ui/ViewRenderer.h"
+#include "ui/document/Document.h"
+#include "ui/view/ViewRenderer.h"
+#include "ui/window/MainWindow.h"
 
 #include <QImage>
 #include <QString>

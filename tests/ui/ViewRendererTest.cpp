@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "ui/ViewRenderer.h"
+#include "ui/view/ViewRenderer.h"
 
 #include "core/Error.h"
 #include "core/task/Progress.h"
 #include "render/gl/EglContext.h"
 #include "tests/render/SyntheticCloud.h"
-#include "ui/Still.h"
+#include "ui/view/Still.h"
 
 #include <QSignalSpy>
 #include <QTest>

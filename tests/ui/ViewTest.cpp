@@ -5,14 +5,14 @@
 #include "core/las/Writer.h"
 #include "core/sample/Sample.h"
 #include "core/task/Progress.h"
-#include "ui/MessageArea.h"
-#include "ui/PivotMark.h"
-#include "ui/Text.h"
-#include "ui/ViewFilter.h"
-#include "ui/ViewSettings.h"
-#include "ui/Viewport.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Workspace.h"
 #include "ui/measure/MeasureTools.h"
+#include "ui/view/MessageArea.h"
+#include "ui/view/PivotMark.h"
+#include "ui/view/ViewFilter.h"
+#include "ui/view/ViewSettings.h"
+#include "ui/view/Viewport.h"
 
 #include <QToolButton>
 #include <QWheelEvent>

@@ -2,14 +2,14 @@
 #include "tests/ui/UiTest.h"
 
 #include "core/task/Progress.h"
-#include "ui/MainWindow.h"
-#include "ui/SharedContext.h"
-#include "ui/Still.h"
-#include "ui/ViewRenderer.h"
-#include "ui/ViewSettings.h"
-#include "ui/ViewSurface.h"
-#include "ui/Viewport.h"
-#include "ui/Workspace.h"
+#include "ui/document/Workspace.h"
+#include "ui/view/SharedContext.h"
+#include "ui/view/Still.h"
+#include "ui/view/ViewRenderer.h"
+#include "ui/view/ViewSettings.h"
+#include "ui/view/ViewSurface.h"
+#include "ui/view/Viewport.h"
+#include "ui/window/MainWindow.h"
 
 #include <QOpenGLWidget>
 #include <QSignalSpy>

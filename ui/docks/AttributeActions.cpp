@@ -2,10 +2,10 @@
 #include "ui/docks/AttributeActions.h"
 
 #include "core/cloud/ScalarType.h"
-#include "ui/Text.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
 #include "ui/docks/AttributesDock.h"
 #include "ui/docks/AttributesModel.h"
+#include "ui/document/Workspace.h"
 
 #include <QComboBox>
 #include <QDialogButtonBox>

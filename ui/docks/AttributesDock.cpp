@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "ui/docks/AttributesDock.h"
 
-#include "ui/Workspace.h"
 #include "ui/docks/AttributeActions.h"
 #include "ui/docks/AttributesModel.h"
 #include "ui/docks/ColorPanel.h"
+#include "ui/document/Workspace.h"
 #include "ui/style/Icons.h"
 #include "ui/style/Theme.h"
 #include "ui/style/Widgets.h"

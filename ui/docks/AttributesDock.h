@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "ui/ViewRenderer.h"
+#include "ui/view/ViewRenderer.h"
 
 #include <QDockWidget>
 #include <QListView>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "ui/docks/AttributesModel.h"
 
-#include "ui/Text.h"
-#include "ui/Viewport.h"
+#include "ui/basic/Text.h"
 #include "ui/style/Icons.h"
+#include "ui/view/Viewport.h"
 
 #include <QMimeData>
 

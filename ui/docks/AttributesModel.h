@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "ui/Document.h"
+#include "ui/document/Document.h"
 
 #include <QAbstractListModel>
 #include <QPointer>

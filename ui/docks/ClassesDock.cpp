@@ -2,11 +2,11 @@
 #include "ui/docks/ClassesDock.h"
 
 #include "core/select/Selecting.h"
-#include "ui/Document.h"
-#include "ui/Text.h"
-#include "ui/ViewSettings.h"
+#include "ui/basic/Text.h"
 #include "ui/docks/ClassesModel.h"
+#include "ui/document/Document.h"
 #include "ui/style/Theme.h"
+#include "ui/view/ViewSettings.h"
 
 #include <QColorDialog>
 #include <QHBoxLayout>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "ui/docks/ClassesModel.h"
 
-#include "ui/Text.h"
-#include "ui/ViewSettings.h"
+#include "ui/basic/Text.h"
 #include "ui/style/Theme.h"
+#include "ui/view/ViewSettings.h"
 
 #include <QColor>
 

@@ -2,12 +2,12 @@
 #include "ui/docks/ColorPanel.h"
 
 #include "render/color/ColorMap.h"
-#include "ui/Text.h"
-#include "ui/ViewSettings.h"
+#include "ui/basic/Text.h"
 #include "ui/docks/ToneRow.h"
 #include "ui/style/NumberField.h"
 #include "ui/style/Theme.h"
 #include "ui/style/Widgets.h"
+#include "ui/view/ViewSettings.h"
 
 #include <QCheckBox>
 #include <QComboBox>

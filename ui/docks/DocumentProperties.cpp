@@ -5,9 +5,9 @@
 #include "core/cloud/ValueText.h"
 #include "core/las/Doctor.h"
 #include "core/las/HeaderWords.h"
-#include "ui/Document.h"
-#include "ui/Numbers.h"
-#include "ui/Text.h"
+#include "ui/basic/Numbers.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Document.h"
 
 #include <QCoreApplication>
 

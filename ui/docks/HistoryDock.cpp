@@ -2,9 +2,9 @@
 #include "ui/docks/HistoryDock.h"
 
 #include "core/edit/History.h"
-#include "ui/Document.h"
-#include "ui/Text.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Document.h"
+#include "ui/document/Workspace.h"
 #include "ui/style/Theme.h"
 
 #include <QListWidget>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "ui/docks/JobsModel.h"
 
-#include "ui/Text.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Workspace.h"
 
 #include <algorithm>
 

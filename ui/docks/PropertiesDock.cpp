@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "ui/docks/PropertiesDock.h"
 
-#include "ui/Document.h"
-#include "ui/FileDoctor.h"
 #include "ui/docks/DocumentProperties.h"
+#include "ui/document/Document.h"
+#include "ui/document/FileDoctor.h"
 #include "ui/style/Theme.h"
 
 #include <QDir>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "ui/docks/ToneRow.h"
 
-#include "ui/ViewSettings.h"
 #include "ui/style/NumberField.h"
 #include "ui/style/Theme.h"
 #include "ui/style/Widgets.h"
+#include "ui/view/ViewSettings.h"
 
 #include <QDoubleSpinBox>
 #include <QPushButton>

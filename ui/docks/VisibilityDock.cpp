@@ -2,14 +2,14 @@
 #include "ui/docks/VisibilityDock.h"
 
 #include "render/raster/Backend.h"
-#include "ui/Document.h"
-#include "ui/Numbers.h"
-#include "ui/Text.h"
-#include "ui/ViewFilter.h"
-#include "ui/ViewSettings.h"
-#include "ui/Viewport.h"
+#include "ui/basic/Numbers.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Document.h"
 #include "ui/style/NumberField.h"
 #include "ui/style/Widgets.h"
+#include "ui/view/ViewFilter.h"
+#include "ui/view/ViewSettings.h"
+#include "ui/view/Viewport.h"
 
 #include <QCheckBox>
 #include <QGridLayout>

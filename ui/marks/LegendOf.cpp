@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "ui/marks/LegendOf.h"
 
-#include "ui/Document.h"
-#include "ui/Text.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Document.h"
 
 namespace punctum::ui
 {

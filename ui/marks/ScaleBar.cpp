@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/marks/ScaleBar.h"
 
-#include "ui/Text.h"
+#include "ui/basic/Text.h"
 #include "ui/style/Theme.h"
 
 #include <QFontMetricsF>

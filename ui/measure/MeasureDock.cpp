@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "ui/measure/MeasureDock.h"
 
-#include "ui/MainMenu.h"
-#include "ui/MainWindow.h"
-#include "ui/Text.h"
-#include "ui/Viewport.h"
+#include "ui/basic/Text.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
 #include "ui/style/Icons.h"
 #include "ui/style/Widgets.h"
+#include "ui/view/Viewport.h"
+#include "ui/window/MainMenu.h"
+#include "ui/window/MainWindow.h"
 
 #include <QActionGroup>
 #include <QApplication>

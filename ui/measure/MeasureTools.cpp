@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "ui/measure/MeasureTools.h"
 
-#include "ui/Document.h"
-#include "ui/Navigation.h"
-#include "ui/ViewRenderer.h"
-#include "ui/Viewport.h"
-#include "ui/Workspace.h"
+#include "ui/document/Document.h"
+#include "ui/document/Workspace.h"
 #include "ui/measure/MeasurePainting.h"
 #include "ui/measure/Measurements.h"
+#include "ui/view/Navigation.h"
+#include "ui/view/ViewRenderer.h"
+#include "ui/view/Viewport.h"
 
 #include <QKeyEvent>
 #include <QMouseEvent>

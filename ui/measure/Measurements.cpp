@@ -4,10 +4,10 @@
 #include "core/las/AtomicFile.h"
 #include "core/task/Jobs.h"
 #include "core/task/Progress.h"
-#include "ui/Document.h"
-#include "ui/Numbers.h"
-#include "ui/Text.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Numbers.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Document.h"
+#include "ui/document/Workspace.h"
 
 #include <QFileInfo>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "ui/navigate/AxesMark.h"
 
-#include "ui/Viewport.h"
 #include "ui/marks/MarkStyle.h"
 #include "ui/style/Theme.h"
+#include "ui/view/Viewport.h"
 
 #include <QHelpEvent>
 #include <QMouseEvent>

@@ -3,18 +3,18 @@
 
 #include "core/Error.h"
 #include "core/task/Progress.h"
-#include "ui/MainWindow.h"
-#include "ui/Still.h"
-#include "ui/Text.h"
-#include "ui/ViewRenderer.h"
-#include "ui/Viewport.h"
-#include "ui/WindowSettings.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Workspace.h"
 #include "ui/marks/LegendOf.h"
-#include "ui/marks/PictureMarks.h"
 #include "ui/measure/Measurements.h"
+#include "ui/screenshot/PictureMarks.h"
 #include "ui/screenshot/ScreenshotDialog.h"
 #include "ui/section/Sections.h"
+#include "ui/settings/WindowSettings.h"
+#include "ui/view/Still.h"
+#include "ui/view/ViewRenderer.h"
+#include "ui/view/Viewport.h"
+#include "ui/window/MainWindow.h"
 
 #include <QApplication>
 #include <QFileDialog>

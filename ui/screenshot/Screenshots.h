@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/task/Jobs.h"
-#include "ui/screenshot/ScreenshotOptions.h"
+#include "ui/settings/ScreenshotOptions.h"
 
 #include <QImage>
 #include <QObject>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "ui/section/SectionOverlays.h"
 
-#include "ui/Numbers.h"
-#include "ui/Overlays.h"
-#include "ui/Viewport.h"
+#include "ui/basic/Numbers.h"
+#include "ui/view/Overlays.h"
+#include "ui/view/Viewport.h"
 
 #include <QEvent>
 #include <QPainter>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "ui/section/SectionPane.h"
 
-#include "ui/Viewport.h"
 #include "ui/style/Icons.h"
 #include "ui/style/NumberField.h"
 #include "ui/style/Widgets.h"
+#include "ui/view/Viewport.h"
 
 #include <QDoubleSpinBox>
 #include <QHBoxLayout>

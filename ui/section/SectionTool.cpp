@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "ui/section/SectionTool.h"
 
-#include "ui/ViewRenderer.h"
-#include "ui/Viewport.h"
 #include "ui/section/SectionOverlays.h"
+#include "ui/view/ViewRenderer.h"
+#include "ui/view/Viewport.h"
 
 #include <QKeyEvent>
 #include <QMouseEvent>

@@ -4,11 +4,11 @@
 #include "core/cloud/PointCloud.h"
 #include "core/expression/Rule.h"
 #include "core/task/Progress.h"
-#include "ui/Document.h"
-#include "ui/Text.h"
-#include "ui/ViewRenderer.h"
-#include "ui/ViewSettings.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Document.h"
+#include "ui/document/Workspace.h"
+#include "ui/view/ViewRenderer.h"
+#include "ui/view/ViewSettings.h"
 
 #include <algorithm>
 #include <array>

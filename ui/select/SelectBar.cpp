@@ -2,15 +2,15 @@
 #include "ui/select/SelectBar.h"
 
 #include "core/measure/Spacing.h"
-#include "ui/MainMenu.h"
-#include "ui/MainWindow.h"
-#include "ui/Text.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Workspace.h"
 #include "ui/select/EditDock.h"
 #include "ui/select/Selection.h"
 #include "ui/style/Icons.h"
 #include "ui/style/NumberField.h"
 #include "ui/style/Widgets.h"
+#include "ui/window/MainMenu.h"
+#include "ui/window/MainWindow.h"
 
 #include <QActionGroup>
 #include <QComboBox>

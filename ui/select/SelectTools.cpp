@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "ui/select/SelectTools.h"
 
-#include "ui/Viewport.h"
 #include "ui/select/Selection.h"
+#include "ui/view/Viewport.h"
 
 #include <QMouseEvent>
 #include <QPainter>

@@ -5,11 +5,11 @@
 #include "core/expression/Condition.h"
 #include "core/process/KdOrder.h"
 #include "core/task/Progress.h"
-#include "ui/Text.h"
-#include "ui/ViewFilter.h"
-#include "ui/ViewRenderer.h"
-#include "ui/ViewSettings.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Workspace.h"
+#include "ui/view/ViewFilter.h"
+#include "ui/view/ViewRenderer.h"
+#include "ui/view/ViewSettings.h"
 
 #include <algorithm>
 #include <shared_mutex>

@@ -2,8 +2,8 @@
 #include "ui/select/UndoOrder.h"
 
 #include "core/edit/History.h"
-#include "ui/Text.h"
-#include "ui/Workspace.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Workspace.h"
 #include "ui/select/Selection.h"
 
 namespace punctum::ui

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "ui/Numbers.h"
+#include "ui/basic/Numbers.h"
 
 #include <QDoubleSpinBox>
 #include <QLineEdit>

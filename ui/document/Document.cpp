@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: MIT
+#include "ui/document/Document.h"
+
+#include "core/edit/History.h"
+#include "core/session/Session.h"
+#include "render/camera/Camera.h"
+#include "render/store/PointStore.h"
+#include "ui/basic/Text.h"
+
+#include <QFileInfo>
+
+#include <algorithm>
+#include <utility>
+
+namespace punctum::ui
+{
+
+Document::Document(std::shared_ptr<Session> session, std::shared_ptr<render::PointStore> store, QObject* parent)
+    : QObject(parent),
+      m_session(std::move(session)),
+      m_store(std::move(store)),
+      m_path(toQString(m_session->openedPath())),
+      m_name(fileName()),
+      m_recovered(source().recovered),
+      m_bounds(source().firstBounds),
+      m_attributes(cloud()->attributes())  // nobody else knows the cloud's list yet
+{
+    for (const std::string& loss : source().losses) m_losses << toQString(loss);
+}
+
+QStringList warningsOf(const las::SourceFile& source)
+{
+    QStringList sentences;
+    for (const std::string& warning : source.warnings)
+        if (std::find(source.losses.begin(), source.losses.end(), warning) == source.losses.end())
+            sentences << toQString(warning);
+    return sentences;
+}
+
+const std::shared_ptr<PointCloud>& Document::cloud() const noexcept
+{
+    return m_session->cloud();
+}
+
+const las::SourceFile& Document::source() const noexcept
+{
+    return *m_session->source();
+}
+
+const History& Document::history() const noexcept
+{
+    return m_session->history();
+}
+
+QString Document::fileName() const
+{
+    return QFileInfo(m_path).fileName();
+}
+
+QString Document::origin() const
+{
+    return m_origin.isEmpty() ? m_path : m_origin;
+}
+
+void Document::setDistinction(const QString& part)
+{
+    const QString name = part.isEmpty() ? fileName() : QStringLiteral("%1 (%2)").arg(fileName(), part);
+    if (name == std::exchange(m_name, name)) return;
+    emit stateChanged();
+}
+
+double Document::loadedShare() const noexcept
+{
+    if (!loading()) return 1.0;
+    return points() == 0 ? 0.0 : double(m_store->filled()) / double(points());
+}
+
+bool Document::modified() const
+{
+    return history().modified();
+}
+
+const Attribute* Document::findAttribute(const QString& name) const
+{
+    const std::string wanted = name.toStdString();
+    for (const Attribute& attribute : m_attributes)
+        if (attribute.name == wanted) return &attribute;
+    return nullptr;
+}
+
+QString Document::coordinateUnit() const
+{
+    return toQString(source().units.horizontal);
+}
+
+QString Document::lengthUnit() const
+{
+    return toQString(trueLengths(source().units, {}).unit);
+}
+
+glm::dvec3 Document::viewStretch(const WorldBounds& bounds) const
+{
+    return trueLengths(source().units, bounds).stretch;
+}
+
+const AttributeFigures* Document::figures(const QString& name) const
+{
+    const auto found = m_figures.find(name);
+    return found == m_figures.end() ? nullptr : &found->second;
+}
+
+const DistinctValues* Document::values(const QString& name) const
+{
+    const auto found = m_values.find(name);
+    return found == m_values.end() ? nullptr : &found->second;
+}
+
+void Document::setLoaded(const las::ReadResult& result)
+{
+    m_state = State::Ready;
+    for (const std::string& warning : result.warnings) m_losses << toQString(warning);  // of damaged points
+    for (const PointRange& range : result.missing) m_missingPoints += range.size();
+    m_recovered = m_recovered || !result.missing.empty();
+    m_rawBounds = result.bounds;
+    m_bounds = cloud()->coordinates().toWorld(result.bounds);
+    emit stateChanged();
+}
+
+void Document::setAttributes(std::vector<Attribute> attributes)
+{
+    m_attributes = std::move(attributes);
+    emit attributesChanged();
+}
+
+void Document::setFigures(const QString& name, const AttributeFigures& figures)
+{
+    m_figures[name] = figures;
+    for (int axis = 0; axis < 3; ++axis)
+        if (name == QLatin1Char("XYZ"[axis])) takeBounds(axis, figures[0]);
+    emit figuresChanged(name);
+}
+
+void Document::takeBounds(int axis, const AttributeStatistics& figures)
+{
+    // Points that could not be read are 0, and nowhere.
+    if (figures.count == 0 || m_missingPoints != 0) return;
+    const WorldBounds before = m_bounds;
+    m_bounds.min[axis] = toDouble(figures.min);
+    m_bounds.max[axis] = toDouble(figures.max);
+    if (before.min != m_bounds.min || before.max != m_bounds.max) emit stateChanged();
+}
+
+void Document::setValues(const QString& name, DistinctValues values)
+{
+    m_values[name] = std::move(values);
+}
+
+void Document::forgetFigures(const QStringList& names)
+{
+    for (const QString& name : names) {
+        m_figures.erase(name);
+        m_values.erase(name);
+    }
+}
+
+void Document::setDeleted(std::shared_ptr<const PointSet> points, PointIndex count)
+{
+    m_deleted = std::move(points);
+    m_deletedPoints = count;
+    emit stateChanged();
+}
+
+void Document::setClassCounts(const std::array<std::uint64_t, 256>& counts)
+{
+    m_classCounts = counts;
+    emit classCountsChanged();
+}
+
+void Document::setSpacing(double spacing)
+{
+    m_spacing = spacing;
+    emit stateChanged();
+}
+
+void Document::setUnsavedChanges(const QString& changes)
+{
+    if (changes == m_unsavedChanges) return;
+    m_unsavedChanges = changes;
+    emit stateChanged();
+}
+
+void Document::setSavedAs(const std::filesystem::path& path, LastSave save)
+{
+    m_lastSave = std::move(save);
+    if (path != m_session->openedPath()) m_recovered = false;  // the damaged file is another one now
+    m_path = toQString(path);
+    m_name = fileName();  // until it is compared with the others again
+    m_origin.clear();
+    emit stateChanged();
+}
+
+void Document::noteEdit()
+{
+    emit stateChanged();
+}
+
+}  // namespace punctum::ui

@@ -1,0 +1,471 @@
+// SPDX-License-Identifier: MIT
+#include "ui/window/MainMenu.h"
+
+#include "core/process/Step.h"
+#include "ui/basic/Text.h"
+#include "ui/docks/AttributesDock.h"
+#include "ui/docks/AttributesModel.h"
+#include "ui/docks/ClassesDock.h"
+#include "ui/docks/HistoryDock.h"
+#include "ui/docks/JobsDock.h"
+#include "ui/docks/ProcessingDock.h"
+#include "ui/docks/PropertiesDock.h"
+#include "ui/docks/VisibilityDock.h"
+#include "ui/document/Document.h"
+#include "ui/measure/MeasureDock.h"
+#include "ui/screenshot/Screenshots.h"
+#include "ui/select/EditDock.h"
+#include "ui/select/UndoOrder.h"
+#include "ui/style/Icons.h"
+#include "ui/view/ViewSettings.h"
+#include "ui/view/Viewport.h"
+#include "ui/window/MainWindow.h"
+#include "ui/window/Opener.h"
+#include "ui/window/Panels.h"
+#include "ui/window/RecoveryList.h"
+
+#include <QActionGroup>
+#include <QColorDialog>
+#include <QFileInfo>
+#include <QMenu>
+#include <QMenuBar>
+#include <QToolBar>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+/// Stands for no kind among the values of BackendKind.
+constexpr int kFastestBackend = -1;
+/// Property of an action: the title of its menu.
+constexpr char kGroup[] = "group";
+
+QString withoutMarks(QString text)
+{
+    return text.remove(QLatin1Char('&')).remove(QStringLiteral("..."));
+}
+
+}  // namespace
+
+MainMenu::MainMenu(MainWindow& window) : QObject(&window), m_window(window)
+{
+    makeFile();
+    makeEdit();
+    makeView();
+    makeProcess();
+    makeHelp();
+    makeToolBar();
+    update(nullptr);
+    setRecentFiles({});
+}
+
+QAction* MainMenu::add(QMenu* menu, const QString& text, const QString& icon, const QList<QKeySequence>& keys,
+                       const QString& tip, std::function<void()> act)
+{
+    auto* action = new QAction(text, &m_window);
+    if (!icon.isEmpty()) action->setIcon(lineIcon(icon));
+    action->setShortcuts(keys);
+    QString hint = tip.isEmpty() ? withoutMarks(text) : tip;
+    if (!keys.isEmpty()) hint += QStringLiteral(" (%1)").arg(keys.front().toString(QKeySequence::NativeText));
+    action->setToolTip(hint);
+    action->setIconVisibleInMenu(false);  // icons in the tool bar, words in the menus
+    connect(action, &QAction::triggered, this, [act = std::move(act)] { act(); });
+    if (menu) {
+        menu->addAction(action);
+        action->setProperty(kGroup, menu->title());
+    }
+    m_window.addAction(action);
+    m_all.push_back(action);
+    return action;
+}
+
+void MainMenu::needsDocument(QAction* action)
+{
+    m_needDocument.push_back(action);
+    action->setEnabled(false);
+}
+
+QAction* MainMenu::addTool(QMenu* menu, QActionGroup* group, int id, const QString& text, const QString& icon,
+                           const QList<QKeySequence>& keys, const QString& tip,
+                           std::function<void(bool on)> toggled)
+{
+    QAction* const action = add(menu, text, icon, keys, tip, [] {});
+    action->setCheckable(true);
+    action->setData(id);
+    group->addAction(action);
+    group->setExclusionPolicy(QActionGroup::ExclusionPolicy::ExclusiveOptional);
+    needsDocument(action);
+    connect(action, &QAction::toggled, this, [this, toggled = std::move(toggled)](bool on) {
+        toggled(on);
+        m_window.focusView();
+    });
+    return action;
+}
+
+QMenu& MainMenu::insertMenu(const QString& title)
+{
+    auto* menu = new QMenu(title, &m_window);
+    m_window.menuBar()->insertMenu(m_processMenu->menuAction(), menu);
+    return *menu;
+}
+
+void MainMenu::makeFile()
+{
+    QMenu* menu = m_window.menuBar()->addMenu(tr("&File"));
+    open = add(menu, tr("&Open..."), QStringLiteral("open"), {QKeySequence::Open}, tr("Open LAS or LAZ files"),
+               [this] { m_window.opener().chooseFiles(); });
+    add(menu, tr("Open &Folder..."), {}, {QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_O)},
+        tr("Open all LAS and LAZ files of a folder and of those in it"),
+        [this] { m_window.opener().chooseFolder(); });
+    m_recent = menu->addMenu(tr("Open &Recent"));
+    menu->addSeparator();
+    save = add(menu, tr("&Save"), QStringLiteral("save"), {QKeySequence::Save}, tr("Save the active file"),
+               [this] { m_window.save(); });
+    saveAs = add(menu, tr("Save &As..."), {}, {QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_S)},
+                 tr("Save the active file under another name, as LAS or LAZ"), [this] { m_window.saveAs(); });
+    QAction* recover = add(menu, tr("Reco&ver Edits..."), {}, {},
+                           tr("List the edits that were not saved before the program ended"),
+                           [this] { (new RecoveryList(m_window.workspace(), &m_window))->show(); });
+    recover->setObjectName(QStringLiteral("recoverEdits"));
+    menu->addSeparator();
+    screenshot = add(menu, tr("&Export Screenshot..."), QStringLiteral("screenshot"), {QKeySequence(Qt::Key_F12)},
+                     tr("Save a picture of the view or of the section, of any size, with legend and scale bar"),
+                     [this] { m_window.screenshots().choose(); });
+    menu->addSeparator();
+    close = add(menu, tr("&Close"), {}, {QKeySequence(Qt::CTRL | Qt::Key_W)}, tr("Close the active file"),
+                [this] { m_window.closeActive(); });
+    add(menu, tr("&Quit"), {}, {QKeySequence(Qt::CTRL | Qt::Key_Q)}, {}, [this] { m_window.close(); });
+    m_needDocument = {saveAs, screenshot, close};
+}
+
+void MainMenu::makeEdit()
+{
+    QMenu* menu = m_window.menuBar()->addMenu(tr("&Edit"));
+    undo = add(menu, tr("&Undo"), QStringLiteral("undo"), {QKeySequence(Qt::CTRL | Qt::Key_Z)}, {},
+               [this] { m_window.undoOrder().undo(); });
+    redo = add(menu, tr("&Redo"), QStringLiteral("redo"),
+               {QKeySequence(Qt::CTRL | Qt::Key_Y), QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_Z)}, {},
+               [this] { m_window.undoOrder().redo(); });
+    connect(&m_window.undoOrder(), &UndoOrder::changed, this, &MainMenu::takeUndo);
+}
+
+void MainMenu::makeView()
+{
+    QMenu* menu = m_viewMenu = m_window.menuBar()->addMenu(tr("&View"));
+    Viewport& viewport = m_window.viewport();
+    ViewSettings& settings = m_window.viewSettings();
+
+    fit = add(menu, tr("&Fit All"), QStringLiteral("fit"), {QKeySequence(Qt::Key_F)},
+              tr("Show all points that are shown, without strays far away; once more, with them"),
+              [this] { m_window.fitAll(); });
+    QAction* fitActive = add(menu, tr("Fit Acti&ve File"), {}, {QKeySequence(Qt::SHIFT | Qt::Key_F)},
+                             tr("The same of the active file"), [this] { m_window.fitActive(); });
+    m_needDocument.push_back(fitActive);
+    QMenu* standard = menu->addMenu(tr("&Standard Views"));
+    m_views = new QActionGroup(this);
+    const struct {
+        const char* view;
+        QString text;
+        QString icon;
+        Qt::Key key;
+    } views[] = {{"top", tr("&Top"), QStringLiteral("view-top"), Qt::Key_1},
+                 {"front", tr("&Front"), QStringLiteral("view-front"), Qt::Key_2},
+                 {"left", tr("&Left"), QStringLiteral("view-left"), Qt::Key_3},
+                 {"iso", tr("&Isometric"), QStringLiteral("view-iso"), Qt::Key_4},
+                 {"back", tr("&Back"), {}, Qt::Key_5},
+                 {"right", tr("&Right"), {}, Qt::Key_6},
+                 {"bottom", tr("B&ottom"), {}, Qt::Key_7}};
+    for (const auto& each : views) {
+        const QString name = QLatin1String(each.view);
+        QAction* action = add(standard, each.text, each.icon, {QKeySequence(Qt::CTRL | each.key)},
+                              tr("View from: %1").arg(QString(each.text).remove(QLatin1Char('&')).toLower()),
+                              [&viewport, name] { viewport.setStandardView(name); });
+        m_views->addAction(action);
+        m_needDocument.push_back(action);
+    }
+    m_views->setExclusive(false);
+    m_needDocument.push_back(fit);
+    m_placesEnd = menu->addSeparator();
+
+    m_colorBy = menu->addMenu(tr("&Color by"));
+    QAction* next = add(menu, tr("&Next Attribute"), {}, {QKeySequence(Qt::SHIFT | Qt::Key_Down)}, {},
+                        [this] { m_window.stepAttribute(1); });
+    QAction* previous = add(menu, tr("&Previous Attribute"), {}, {QKeySequence(Qt::SHIFT | Qt::Key_Up)}, {},
+                            [this] { m_window.stepAttribute(-1); });
+    m_needDocument.insert(m_needDocument.end(), {next, previous});
+    menu->addSeparator();
+
+    add(menu, tr("&Larger Points"), {}, {QKeySequence(Qt::Key_Plus), QKeySequence(Qt::Key_Equal)}, {},
+        [&settings] { settings.enlargePoints(true); });
+    add(menu, tr("S&maller Points"), {}, {QKeySequence(Qt::Key_Minus)}, {},
+        [&settings] { settings.enlargePoints(false); });
+    const auto choice = [this](QMenu* into, QActionGroup* group, const QString& text, const QVariant& value) {
+        QAction* action = into->addAction(text);
+        action->setCheckable(true);
+        action->setData(value);
+        group->addAction(action);
+    };
+    QMenu* sizing = menu->addMenu(tr("Point Si&ze by"));
+    m_sizings = new QActionGroup(this);
+    choice(sizing, m_sizings, tr("&Pixels"), int(render::PointSizing::Pixels));
+    choice(sizing, m_sizings, tr("&Length in the World"), int(render::PointSizing::World));
+    choice(sizing, m_sizings, tr("&Spacing of the Points"), int(render::PointSizing::Density));
+    connect(m_sizings, &QActionGroup::triggered, &settings,
+            [&settings](const QAction* a) { settings.setSizing(render::PointSizing(a->data().toInt())); });
+    const auto flag = [this, menu](const QString& text, const QList<QKeySequence>& keys, const QString& tip,
+                                   std::function<void(bool)> act) {
+        QAction* action = add(menu, text, {}, keys, tip, [] {});
+        action->setCheckable(true);
+        connect(action, &QAction::triggered, this, std::move(act));
+        return action;
+    };
+    m_round = flag(tr("&Round Points"), {}, tr("Points are circles instead of squares"),
+                   [&settings](bool on) { settings.setRound(on); });
+    m_averaged = flag(tr("A&verage Near Points"), {},
+                      tr("Each pixel shows the mean color of all points near its front: less noise"),
+                      [&settings](bool on) { settings.setAveraged(on); });
+    QMenu* samples = menu->addMenu(tr("S&amples a Pixel"));
+    m_samples = new QActionGroup(this);
+    choice(samples, m_samples, tr("&1, fast"), 1);
+    choice(samples, m_samples, tr("&4, smooth"), 4);
+    choice(samples, m_samples, tr("&8, smoother"), 8);
+    choice(samples, m_samples, tr("1&6, smoothest, slow"), 16);
+    connect(m_samples, &QActionGroup::triggered, &settings,
+            [&settings](const QAction* a) { settings.setSamples(a->data().toInt()); });
+    m_eyeDome = flag(tr("Eye-Dome &Lighting"), {QKeySequence(Qt::Key_L)},
+                     tr("Shades each point by how far it lies behind its neighbors, so that shapes stand out"),
+                     [&settings](bool on) { settings.setEyeDome(on ? 1.0 : 0.0); });
+    m_litNormals = flag(tr("L&it Normals"), {}, tr("Shows directions as lit surfaces instead of colors"),
+                        [&settings](bool on) {
+                            settings.setNormals(on ? render::NormalLook::Lit : render::NormalLook::Direction);
+                        });
+    QMenu* background = menu->addMenu(tr("&Background"));
+    m_backgrounds = new QActionGroup(this);
+    choice(background, m_backgrounds, tr("&Dark"), int(ViewSettings::Background::Dark));
+    choice(background, m_backgrounds, tr("&Gray"), int(ViewSettings::Background::Gray));
+    choice(background, m_backgrounds, tr("&White"), int(ViewSettings::Background::White));
+    choice(background, m_backgrounds, tr("&Other Color..."), int(ViewSettings::Background::Own));
+    connect(m_backgrounds, &QActionGroup::triggered, this, [this, &settings](const QAction* a) {
+        const auto chosen = ViewSettings::Background(a->data().toInt());
+        settings.setBackground(chosen);
+        if (chosen == ViewSettings::Background::Own) chooseBackground(settings);
+    });
+    QMenu* drawing = menu->addMenu(tr("&Draw with"));
+    m_backends = new QActionGroup(this);
+    choice(drawing, m_backends, tr("What Is &Fastest Here"), kFastestBackend);
+    choice(drawing, m_backends, tr("&CPU"), int(render::BackendKind::Cpu));
+    choice(drawing, m_backends, tr("OpenGL Com&pute"), int(render::BackendKind::GlCompute));
+    choice(drawing, m_backends, tr("&OpenGL Points"), int(render::BackendKind::GlPoints));
+    connect(m_backends, &QActionGroup::triggered, this, [this](const QAction* a) {
+        const int data = a->data().toInt();
+        emit backendChosen(data == kFastestBackend ? std::nullopt : std::optional(render::BackendKind(data)));
+    });
+    drawing->addSection(tr("Order, in Files Opened Next"));
+    m_orders = new QActionGroup(this);
+    choice(drawing, m_orders, tr("&Stratified"), int(render::OrderKind::Stratified));
+    choice(drawing, m_orders, tr("P&rime"), int(render::OrderKind::Prime));
+    connect(m_orders, &QActionGroup::triggered, this,
+            [this](const QAction* a) { emit orderChosen(render::OrderKind(a->data().toInt())); });
+    menu->addSeparator();
+
+    QMenu* panels = menu->addMenu(tr("Pa&nels"));
+    add(panels, tr("&Hide or Show All Panels"), {}, {QKeySequence(Qt::Key_F9)},
+        tr("Give the view all of the window"), [this] { m_window.panels().toggle(); });
+    panels->addSeparator();
+    for (QDockWidget* dock : std::initializer_list<QDockWidget*>{
+             &m_window.attributesDock(), &m_window.classesDock(), &m_window.processingDock(), &m_window.editDock(),
+             &m_window.propertiesDock(), &m_window.visibilityDock(), &m_window.measureDock(),
+             &m_window.historyDock(), &m_window.jobsDock()})
+        panels->addAction(dock->toggleViewAction());
+    QMenu* appearance = menu->addMenu(tr("App&earance"));
+    m_appearances = new QActionGroup(this);
+    choice(appearance, m_appearances, tr("As the &System"), int(Appearance::System));
+    choice(appearance, m_appearances, tr("&Dark"), int(Appearance::Dark));
+    choice(appearance, m_appearances, tr("&Light"), int(Appearance::Light));
+    connect(m_appearances, &QActionGroup::triggered, this,
+            [this](const QAction* a) { emit appearanceChosen(Appearance(a->data().toInt())); });
+    fullScreen = add(menu, tr("F&ull Screen"), {}, {QKeySequence(Qt::Key_F11)}, {}, [this] {
+        m_window.setWindowState(m_window.windowState() ^ Qt::WindowFullScreen);
+        fullScreen->setChecked(m_window.isFullScreen());
+    });
+    fullScreen->setCheckable(true);
+    takeViewSettings(settings);
+    connect(&settings, &ViewSettings::changed, this, [this, &settings] { takeViewSettings(settings); });
+}
+
+void MainMenu::chooseBackground(ViewSettings& settings)
+{
+    const render::Rgba8 now = settings.ownBackground();
+    auto* dialog = new QColorDialog(QColor(now.r, now.g, now.b), &m_window);
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    dialog->setWindowTitle(tr("Background"));
+    const auto take = [&settings](const QColor& c) {
+        if (c.isValid())
+            settings.setOwnBackground(
+                {std::uint8_t(c.red()), std::uint8_t(c.green()), std::uint8_t(c.blue()), 255});
+    };
+    connect(dialog, &QColorDialog::currentColorChanged, this, take);
+    connect(dialog, &QColorDialog::rejected, this, [&settings, now] { settings.setOwnBackground(now); });
+    dialog->open();
+}
+
+void MainMenu::makeProcess()
+{
+    QMenu* menu = m_processMenu = m_window.menuBar()->addMenu(tr("&Process"));
+    for (const Step* step : allSteps()) {
+        const QString name = toQString(step->name());
+        QAction* action = add(menu, toQString(step->title()) + QStringLiteral("..."), {}, {},
+                              toQString(step->help()), [this, name] {
+                                  ProcessingDock& dock = m_window.processingDock();
+                                  dock.chooseStep(name);
+                                  dock.show();
+                                  dock.raise();
+                              });
+        m_needDocument.push_back(action);
+    }
+    menu->setToolTipsVisible(true);
+}
+
+void MainMenu::makeHelp()
+{
+    QMenu* menu = m_window.menuBar()->addMenu(tr("&Help"));
+    add(menu, tr("&Mouse and Keyboard"), {}, {QKeySequence(Qt::Key_F1)}, {}, [this] { m_window.showShortcuts(); });
+    add(menu, tr("&About Punctum"), {}, {}, {}, [this] { m_window.showAbout(); });
+}
+
+void MainMenu::makeToolBar()
+{
+    m_toolBar = m_window.addToolBar(tr("Tools"));
+    m_toolBar->setObjectName(QStringLiteral("tools"));
+    m_toolBar->setMovable(false);
+    m_toolBar->setIconSize(QSize(20, 20));
+    m_toolBar->setContextMenuPolicy(Qt::PreventContextMenu);
+    m_toolBar->addActions({open, save});
+    m_toolBar->addSeparator();
+    m_toolBar->addActions({undo, redo});
+    m_toolBar->addSeparator();
+    m_toolBar->addAction(fit);
+    for (QAction* view : m_views->actions())
+        if (!view->icon().isNull()) m_toolBar->addAction(view);
+    m_toolBar->addSeparator();
+    m_toolBar->addAction(screenshot);
+}
+
+void MainMenu::update(const Document* document)
+{
+    const bool ready = document && !document->loading();
+    for (QAction* action : m_needDocument) action->setEnabled(document != nullptr);
+    saveAs->setEnabled(ready);
+    save->setEnabled(ready && !document->recovered());
+    save->setToolTip(document && document->recovered()
+                         ? tr("This file is damaged and may not be overwritten: use Save As.")
+                     : !document || document->unsavedChanges().isEmpty()
+                         ? tr("Save the active file (%1)").arg(save->shortcut().toString(QKeySequence::NativeText))
+                         : tr("Save: %1").arg(document->unsavedChanges()));
+    takeUndo();
+}
+
+void MainMenu::takeUndo()
+{
+    const auto label = [](const QString& verb, const QString& what) {
+        return what.isEmpty() ? verb : QStringLiteral("%1 %2").arg(verb, what);
+    };
+    const auto put = [&](QAction* action, const QString& verb, const UndoOrder::Next& next) {
+        action->setEnabled(next.possible);
+        action->setText(label(verb, menuText(next.name)));
+        action->setToolTip(QStringLiteral("%1 (%2)").arg(label(QString(verb).remove(QLatin1Char('&')), next.name),
+                                                         action->shortcut().toString(QKeySequence::NativeText)));
+    };
+    put(undo, tr("&Undo"), m_window.undoOrder().nextUndo());
+    put(redo, tr("&Redo"), m_window.undoOrder().nextRedo());
+}
+
+void MainMenu::setRecentFiles(const QStringList& paths)
+{
+    m_recent->clear();
+    for (const QString& path : paths) {
+        QAction* action = m_recent->addAction(menuText(QFileInfo(path).fileName()));
+        action->setToolTip(path);
+        connect(action, &QAction::triggered, this, [this, path] { emit recentChosen(path); });
+    }
+    m_recent->setToolTipsVisible(true);
+    m_recent->setEnabled(!paths.isEmpty());
+    if (paths.isEmpty()) return;
+    m_recent->addSeparator();
+    connect(m_recent->addAction(tr("&Clear This List")), &QAction::triggered, this, &MainMenu::recentCleared);
+}
+
+void MainMenu::setAttributes(const Document* document, const QString& shown)
+{
+    QString key = shown;
+    if (document)
+        for (const Attribute& attribute : document->attributes())
+            key += QLatin1Char('\n') + toQString(attribute.name);
+    m_colorBy->setEnabled(document != nullptr);
+    if (key == m_colorKey) return;
+    m_colorKey = key;
+    m_colorBy->clear();
+    if (!document) return;
+    for (const Attribute& attribute : document->attributes()) {
+        if (attribute.kind == AttributeKind::Opaque) continue;
+        const QString name = toQString(attribute.name);
+        QAction* action = m_colorBy->addAction(menuText(name));
+        action->setCheckable(true);
+        action->setChecked(name == shown);
+        connect(action, &QAction::triggered, this, [this, name] { m_window.showAttribute(name); });
+    }
+}
+
+namespace
+{
+void checkBy(const QActionGroup& group, int value)
+{
+    for (QAction* action : group.actions()) action->setChecked(action->data().toInt() == value);
+}
+}  // namespace
+
+void MainMenu::setBackend(std::optional<render::BackendKind> kind)
+{
+    checkBy(*m_backends, kind ? int(*kind) : kFastestBackend);
+}
+
+void MainMenu::setOrder(render::OrderKind order)
+{
+    checkBy(*m_orders, int(order));
+}
+
+void MainMenu::setAppearance(Appearance appearance)
+{
+    checkBy(*m_appearances, int(appearance));
+}
+
+void MainMenu::takeViewSettings(const ViewSettings& settings)
+{
+    checkBy(*m_samples, settings.display().samples);
+    m_eyeDome->setChecked(settings.display().eyeDome > 0);
+    checkBy(*m_sizings, int(settings.display().sizing));
+    m_round->setChecked(settings.display().round);
+    m_averaged->setChecked(settings.display().averaged);
+    m_litNormals->setChecked(settings.display().normals == render::NormalLook::Lit);
+    checkBy(*m_backgrounds, int(settings.background()));
+}
+
+std::vector<MainMenu::Shortcut> MainMenu::shortcuts() const
+{
+    std::vector<Shortcut> list;
+    for (const QAction* action : m_all) {
+        if (action->shortcuts().isEmpty()) continue;
+        QStringList keys;
+        for (const QKeySequence& key : action->shortcuts()) keys << key.toString(QKeySequence::NativeText);
+        QString what = action->text();
+        if (action == undo) what = tr("Undo");
+        if (action == redo) what = tr("Redo");
+        list.push_back(
+            {withoutMarks(action->property(kGroup).toString()), keys.join(tr(" or ")), withoutMarks(what)});
+    }
+    return list;
+}
+
+}  // namespace punctum::ui

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include "ui/window/Opener.h"
+
+#include "core/las/FindFiles.h"
+#include "core/task/Progress.h"
+#include "ui/basic/Text.h"
+#include "ui/document/Workspace.h"
+#include "ui/settings/WindowSettings.h"
+#include "ui/view/Overlays.h"
+#include "ui/view/StartPage.h"
+#include "ui/view/Viewport.h"
+#include "ui/window/MainMenu.h"
+#include "ui/window/MainWindow.h"
+
+#include <QCoreApplication>
+#include <QDir>
+#include <QDropEvent>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QMimeData>
+#include <QUrl>
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+namespace punctum::ui
+{
+
+namespace
+{
+
+constexpr std::size_t kAskFrom = 200;  ///< files of folders: more are asked about
+constexpr int kRememberPause = 200;    // ms: files that are opened together are written down together
+
+QStringList localFiles(const QMimeData& data)
+{
+    QStringList paths;
+    for (const QUrl& url : data.urls())
+        if (url.isLocalFile()) paths << url.toLocalFile();
+    return paths;
+}
+
+}  // namespace
+
+/// What the user named, and what is in its folders.
+struct Opener::Search {
+    QStringList folders;    ///< among what was named
+    QStringList files;      ///< named, or found
+    las::FoundFiles found;  ///< in folders alone
+};
+
+Opener::Opener(MainWindow& window, WindowSettings& settings)
+    : QObject(&window), m_window(window), m_settings(settings)
+{
+    // Of the whole program: fields that take text would else take the name of a file that is dropped on them.
+    QCoreApplication::instance()->installEventFilter(this);
+    m_window.setAcceptDrops(true);
+    m_rememberTimer.setSingleShot(true);
+    connect(&m_rememberTimer, &QTimer::timeout, this, [this] {
+        m_settings.addRecentFiles(std::exchange(m_remembered, {}));
+        showRecent();
+    });
+    const Workspace& workspace = m_window.workspace();
+    connect(&workspace, &Workspace::documentLoaded, this, [this](const Document* d) { remember(*d); });
+    connect(&workspace, &Workspace::saved, this, [this](const Document* d) { remember(*d); });
+    connect(&m_window.menu(), &MainMenu::recentChosen, this, [this](const QString& path) { open({path}); });
+    connect(&m_window.menu(), &MainMenu::recentCleared, this, [this] {
+        m_settings.clearRecentFiles();
+        showRecent();
+    });
+    StartPage& page = m_window.viewport().startPage();
+    connect(&page, &StartPage::openRequested, this, &Opener::chooseFiles);
+    connect(&page, &StartPage::folderRequested, this, &Opener::chooseFolder);
+    connect(&page, &StartPage::recentChosen, this, [this](const QString& path) { open({path}); });
+    showRecent();
+}
+
+// -- dialogs
+
+void Opener::chooseFiles()
+{
+    const QStringList files =
+        QFileDialog::getOpenFileNames(&m_window, tr("Open point clouds"), m_settings.folder(),
+                                      tr("LAS/LAZ point clouds (*.las *.laz *.LAS *.LAZ);;All files (*)"));
+    if (files.isEmpty()) return;
+    m_settings.setFolder(QFileInfo(files.front()).path());
+    open(files);
+}
+
+void Opener::chooseFolder()
+{
+    const QString folder =
+        QFileDialog::getExistingDirectory(&m_window, tr("Open all point clouds of a folder"), m_settings.folder());
+    if (folder.isEmpty()) return;
+    m_settings.setFolder(folder);
+    open({folder});
+}
+
+// -- files and folders
+
+void Opener::open(const QStringList& paths)
+{
+    if (paths.isEmpty()) return;
+    const auto search = std::make_shared<Search>();
+    QStringList absolute;
+    for (const QString& path : paths) absolute << QDir::cleanPath(QDir::current().absoluteFilePath(path));
+    Workspace& workspace = m_window.workspace();
+    workspace.startJob(
+        absolute.size() == 1 ? tr("Look for files in %1").arg(QFileInfo(absolute.front()).fileName())
+                             : tr("Look for files"),
+        [absolute, search](Progress& progress) {
+            for (const QString& path : absolute) {
+                progress.check();
+                std::error_code unknown;  // what cannot be looked at is opened, which says why
+                const std::filesystem::path place = findPath(path);
+                if (!std::filesystem::is_directory(place, unknown)) {
+                    search->files << path;
+                    continue;
+                }
+                const auto first = search->found.files.size();
+                las::findFiles(place, search->found, progress);
+                search->folders << path;
+                for (std::size_t k = first; k < search->found.files.size(); ++k)
+                    search->files << toQString(search->found.files[k]);
+            }
+        },
+        [this, search, &workspace](const JobInfo& info) {
+            if (info.state == JobState::Failed) workspace.say(MessageKind::Error, toQString(info.error));
+            if (info.state == JobState::Finished) openFound(*search);
+        },
+        true);
+}
+
+void Opener::openFound(const Search& search)
+{
+    Workspace& workspace = m_window.workspace();
+    const bool one = search.folders.size() == 1;
+    const QString name = one ? QFileInfo(search.folders.front()).fileName() : QString();
+    if (!search.folders.isEmpty() && search.found.files.empty())
+        workspace.say(MessageKind::Warning, one ? tr("There is no LAS or LAZ file in %1.").arg(name)
+                                                : tr("There is no LAS or LAZ file in these folders."));
+    if (search.found.closedFolders != 0)
+        workspace.say(MessageKind::Warning, search.found.closedFolders == 1
+                                                ? tr("One folder could not be read; its files are left out.")
+                                                : tr("%1 folders could not be read; their files are left out.")
+                                                      .arg(countText(search.found.closedFolders)));
+    const auto openAll = [this, files = search.files, origin = one ? search.folders.front() : QString()] {
+        m_window.workspace().open(files, origin);
+    };
+    if (search.found.files.size() < kAskFrom || !workspace.askQuestion) return openAll();
+    const QString count = countText(search.found.files.size());
+    workspace.askQuestion({one ? tr("%1 has %2 LAS and LAZ files.").arg(name, count)
+                               : tr("There are %1 LAS and LAZ files.").arg(count),
+                           tr("Together they take %1 on the disk. All of them are read into memory.")
+                               .arg(bytesText(search.found.bytes)),
+                           tr("&Open All")},
+                          [openAll, guard = QPointer<Opener>(this)](bool wanted) {
+                              if (wanted && guard) openAll();
+                          });
+}
+
+// -- recent ones
+
+void Opener::remember(const Document& document)
+{
+    const QString origin = document.origin();
+    m_remembered.removeAll(origin);
+    m_remembered << origin;
+    m_rememberTimer.start(m_window.workspace().opening() ? kRememberPause : 0);
+}
+
+void Opener::showRecent()
+{
+    const QStringList recent = m_settings.recentFiles();
+    m_window.menu().setRecentFiles(recent);
+    m_window.viewport().startPage().setRecentFiles(recent);
+}
+
+// -- dropping
+
+bool Opener::hint(const QMimeData& mime)
+{
+    const QStringList files = localFiles(mime);
+    if (files.isEmpty()) return false;
+    m_window.viewport().showDropHint(files.size() == 1
+                                         ? tr("Open %1").arg(QUrl::fromLocalFile(files.front()).fileName())
+                                         : tr("Open %1 files").arg(countText(std::size_t(files.size()))));
+    return true;
+}
+
+bool Opener::eventFilter(QObject* watched, QEvent* event)
+{
+    switch (event->type()) {
+        case QEvent::DragEnter:
+        case QEvent::DragMove:
+        case QEvent::DragLeave:
+        case QEvent::Drop:
+            break;
+        default:
+            return false;
+    }
+    const auto* const widget = qobject_cast<QWidget*>(watched);
+    if (!widget || widget->window() != &m_window) return false;
+    if (event->type() == QEvent::DragLeave) {
+        m_window.viewport().hideDropHint();
+        return false;
+    }
+    auto& drop = *static_cast<QDropEvent*>(event);
+    if (event->type() == QEvent::DragEnter && !hint(*drop.mimeData())) return false;
+    const QStringList files = localFiles(*drop.mimeData());
+    if (files.isEmpty()) return false;
+    drop.acceptProposedAction();
+    if (event->type() == QEvent::Drop) {
+        m_window.viewport().hideDropHint();
+        open(files);
+    }
+    return true;
+}
+
+}  // namespace punctum::ui
