@@ -225,19 +225,31 @@ void AtomicFile::takeOver()
     if (::fchmod(m_descriptor, mode_t(mode)) != 0) fail("The file's permissions cannot be kept", errno);
 }
 
-FileStamp AtomicFile::commit()
+void AtomicFile::seal()
+{
+    if (m_descriptor < 0) return;
+    if (m_before) takeOver();
+    struct stat s {
+    };
+    if (::fstat(m_descriptor, &s) != 0) fail("The file cannot be written", errno);
+    m_stamp = FileStamp::of(s);
+    const int closed = ::close(m_descriptor);
+    m_descriptor = -1;
+    if (closed != 0 && errno != EINTR) fail("The file cannot be written to the disk", errno);
+}
+
+void AtomicFile::checkTarget() const
 {
     if (FileStamp::of(m_target) != m_before)
         throw Error(m_shown,
                     "The file was changed by another program while it was being saved; nothing was changed. "
                     "Save it again, or under another name.");
-    if (m_before) takeOver();
-    struct stat s {
-    };
-    if (::fstat(m_descriptor, &s) != 0) fail("The file cannot be written", errno);
-    const int closed = ::close(m_descriptor);
-    m_descriptor = -1;
-    if (closed != 0 && errno != EINTR) fail("The file cannot be written to the disk", errno);
+}
+
+FileStamp AtomicFile::commit()
+{
+    seal();
+    checkTarget();
     if (::rename(m_temporary.c_str(), m_target.c_str()) != 0) fail("The file cannot take its name", errno);
     m_committed = true;
     // The name itself must reach the disk too. The file is there by now, so that a failure is no error.
@@ -246,7 +258,7 @@ FileStamp AtomicFile::commit()
         (void)::fsync(d);
         ::close(d);
     }
-    return FileStamp::of(s);
+    return m_stamp;
 }
 
 }  // namespace punctum::las

@@ -47,10 +47,15 @@ public:
     void resize(std::uint64_t bytes);
     /// Waits until all is on the disk.
     void sync();
-    /// Gives the file its name, unless another program touched the target since this was made. Gives what tells the
-    /// new file from others.
+    /// Takes over what an existing target has and closes the file: it is ready for its name, and nothing can be
+    /// written any more. Holds no descriptor from then on, so that thousands may wait. Once more does nothing.
+    void seal();
+    /// Throws Error when another program touched the target since this was made.
+    void checkTarget() const;
+    /// Gives the file its name, unless another program touched the target since this was made; seals it first.
+    /// Gives what tells the new file from others.
     FileStamp commit();
-    /// What of an existing target could not be kept, one sentence each; complete after commit().
+    /// What of an existing target could not be kept, one sentence each; complete after seal().
     const std::vector<std::string>& notes() const noexcept { return m_notes; }
 
 private:
@@ -64,6 +69,7 @@ private:
     Protected m_whenProtected;
     int m_descriptor = -1;
     std::optional<FileStamp> m_before;  ///< of the target; nothing: there was none
+    FileStamp m_stamp;                  ///< of what was written, once it is sealed
     std::vector<std::string> m_notes;
     bool m_committed = false;
     unsigned m_mode = 0;

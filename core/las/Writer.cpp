@@ -5,9 +5,9 @@
 #include "core/las/AtomicFile.h"
 #include "core/las/ChunkWriter.h"
 #include "core/las/Compatible.h"
-#include "core/las/Leftovers.h"
 #include "core/las/Parallel.h"
 #include "core/las/SourceParser.h"
+#include "core/las/StagedWrite.h"
 #include "core/las/WaveformFile.h"
 #include "core/las/WritePlan.h"
 #include "core/task/Progress.h"
@@ -123,19 +123,6 @@ void verify(const AtomicFile& target, const WritePlan& plan, const Written& writ
                 "; nothing was changed. Save as LAS, which keeps everything.");
 }
 
-std::string lowerExtension(const std::filesystem::path& path)
-{
-    std::string ending = path.extension().string();
-    for (char& c : ending)
-        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-    return ending;
-}
-
-bool isCopcName(const std::filesystem::path& path)
-{
-    return isCompressedName(path) && lowerExtension(path.stem()) == ".copc";
-}
-
 /// The cloud's own file must be as it was read or saved, or the user would undo what another program did.
 void askIfChanged(const PointCloud& cloud, const std::filesystem::path& target)
 {
@@ -160,25 +147,6 @@ std::uint64_t expectedChunks(const ChunkPlan& plan)
     return bytes;
 }
 
-/// LAStools finds points by NAME.lax without a look whether the index is older than the points.
-void setIndexAside(const AtomicFile& file, std::vector<std::string>& notes)
-{
-    std::filesystem::path index = file.target();
-    index.replace_extension(".lax");
-    std::error_code ec;
-    if (!std::filesystem::is_regular_file(index, ec)) return;
-    std::filesystem::path aside = index;
-    aside += ".old";
-    if (!file.replaces())
-        notes.emplace_back(
-            "The .lax index beside it belongs to another file, but LAStools would go by it: remove it.");
-    else if (std::filesystem::rename(index, aside, ec); ec)
-        notes.push_back("The .lax index beside it belongs to the old file and should be removed (" + ec.message() +
-                        ").");
-    else
-        notes.emplace_back("The .lax index beside it belonged to the old file; its name ends in .lax.old now.");
-}
-
 /// Packets in a file of their own go with the points to another name.
 std::unique_ptr<AtomicFile> writeWaveforms(const SourceFile* source, const RecordMaker& maker,
                                            const AtomicFile& file, std::vector<std::string>& notes,
@@ -201,18 +169,13 @@ std::optional<std::uint8_t> formatAsked(const PointCloud& cloud, const WriteOpti
 
 }  // namespace
 
-bool isCompressedName(const std::filesystem::path& path)
-{
-    return lowerExtension(path) == ".laz";
-}
-
-WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, const WriteOptions& options,
+StagedWrite stage(const PointCloud& cloud, const std::filesystem::path& path, const WriteOptions& options,
                   Progress& progress)
 {
     storeCompatible(cloud);
     const std::shared_lock lock(cloud.mutex());
     progress.begin("Preparing", 0);
-    try {
+    return withName(path, [&] {
         if (!options.overwriteChanged) askIfChanged(cloud, path);
         if (!options.replaceProtected && writeProtected(path))
             throw WriteQuestion(WriteQuestion::Kind::TargetProtected, path, "This file is write-protected.");
@@ -223,17 +186,22 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
         const std::uint64_t begin = plan.prefix.size();
         const std::uint64_t plainEnd = begin + maker.points() * maker.layout().length;
 
-        AtomicFile file(path, options.compressed ? expectedChunks(plan.chunks) : plainEnd,
-                        options.replaceProtected ? AtomicFile::Protected::Replace : AtomicFile::Protected::Refuse);
-        const auto source = cloud.source();
-        bool pristine = false;
+        auto staged = std::make_unique<StagedWrite::State>();
+        staged->path = path;
+        staged->source = cloud.source();
+        staged->file = std::make_unique<AtomicFile>(
+            path, options.compressed ? expectedChunks(plan.chunks) : plainEnd,
+            options.replaceProtected ? AtomicFile::Protected::Replace : AtomicFile::Protected::Refuse);
+        AtomicFile& file = *staged->file;
+        const SourceFile* const source = staged->source.get();
         Written written;
         if (options.compressed) {
             written.chunks = writeChunks(maker, plan.laz, plan.chunks, file, begin, progress);
             written.pointDataEnd = written.chunks.end;
-            pristine = written.chunks.encoded == 0 && source != nullptr && source->current->get().pristine &&
-                       written.pointDataEnd == source->pointDataEnd && begin == source->header.pointOffset();
-            plan.setCompression(written.chunks.originVersions, !pristine);
+            staged->pristine = written.chunks.encoded == 0 && source != nullptr &&
+                               source->current->get().pristine && written.pointDataEnd == source->pointDataEnd &&
+                               begin == source->header.pointOffset();
+            plan.setCompression(written.chunks.originVersions, !staged->pristine);
         } else {
             progress.begin("Writing points", maker.points());
             writePlain(maker, file, begin, progress);
@@ -248,28 +216,12 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
         file.sync();
         if (options.verify) verify(file, plan, written, progress);
         progress.check();
-        const auto waveforms = writeWaveforms(source.get(), maker, file, plan.notes, progress);
-        if (waveforms) waveforms->commit();
-        FileStamp stamp;
-        try {
-            stamp = file.commit();
-        } catch (...) {
-            std::error_code ignored;
-            if (waveforms && !waveforms->replaces()) std::filesystem::remove(waveforms->target(), ignored);
-            throw;
-        }
-        for (std::string& sentence : unfinishedSaves(file.target())) plan.notes.push_back(std::move(sentence));
-        plan.notes.insert(plan.notes.end(), file.notes().begin(), file.notes().end());
-        if (!pristine) setIndexAside(file, plan.notes);
-        if (isCopcName(path))
-            plan.notes.push_back(
-                "The name ends in .copc.laz, but the file is an ordinary LAZ file; give it another name.");
-        if (source != nullptr) {
-            const bool all = maker.points() == cloud.size();
-            source->current->set({file.target(), stamp, true, pristine,
-                                  all ? nullptr : std::make_shared<const KeptPoints>(maker.kept())});
-        }
-        WriteReport report;
+        staged->waveforms = writeWaveforms(source, maker, file, plan.notes, progress);
+        if (staged->waveforms) staged->waveforms->seal();
+        file.seal();
+
+        if (maker.points() != cloud.size()) staged->kept = std::make_shared<const KeptPoints>(maker.kept());
+        WriteReport& report = staged->report;
         report.points = maker.points();
         report.bytes = written.bytes;
         report.chunksCopied = written.chunks.copied;
@@ -277,11 +229,14 @@ WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, co
         report.writeSeconds = writing.count();
         report.notes = std::move(plan.notes);
         report.losses = std::move(plan.losses);
-        return report;
-    } catch (const Error& e) {
-        if (e.file() == path) throw;
-        throw Error(path, e.file().empty() ? e.what() : std::string("The file could not be saved: ") + e.what());
-    }
+        return StagedWrite(std::move(staged));
+    });
+}
+
+WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, const WriteOptions& options,
+                  Progress& progress)
+{
+    return stage(cloud, path, options, progress).commit();
 }
 
 }  // namespace punctum::las

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -70,11 +71,43 @@ struct WriteReport {
 /// LAZ when the path ends in .laz (any case), else LAS.
 bool isCompressedName(const std::filesystem::path& path);
 
-/// Writes the cloud, whole or not at all: a temporary file beside the target is written, synced, verified, then
-/// renamed over it. Header, VLRs, gaps and EVLRs come from cloud.source() unchanged unless they must differ.
+/// A file that is written, synced and verified under a temporary name beside its target, and waits for its name.
+/// Destroyed without commit(), it leaves nothing behind and an existing target untouched. Move-only; needs neither
+/// the cloud nor an open file any more, so that any number may wait. One thread at a time.
+///
+/// Example:
+///     las::StagedWrite staged = las::stage(cloud, "a.laz", options, progress);
+///     const las::WriteReport report = staged.commit();
+class StagedWrite
+{
+public:
+    struct State;  ///< internal, core/las/StagedWrite.h
+    explicit StagedWrite(std::unique_ptr<State> state);
+    ~StagedWrite();
+    StagedWrite(StagedWrite&& other) noexcept;
+    StagedWrite& operator=(StagedWrite&& other) noexcept;
+
+    /// Links followed.
+    const std::filesystem::path& target() const noexcept;
+    /// Gives the file its name; once. From then on the cloud's source says that the file holds the cloud as it was
+    /// when it was staged. Throws Error, with the old file untouched, when the target was changed since.
+    WriteReport commit();
+    State& state() noexcept { return *m_state; }
+
+private:
+    std::unique_ptr<State> m_state;
+};
+
+/// The first step of write(): all but giving the file its name.
+/// Header, VLRs, gaps and EVLRs come from cloud.source() unchanged unless they must differ.
 /// Attributes added after loading become extra bytes. Holds cloud.mutex() shared meanwhile.
-/// A side-car index (.lax) of the file that is replaced is renamed to .lax.old, since LAStools would go by it.
 /// Throws Error (nothing is left behind, an existing target is untouched), WriteQuestion or Cancelled (likewise).
+StagedWrite stage(const PointCloud& cloud, const std::filesystem::path& path, const WriteOptions& options,
+                  Progress& progress);
+
+/// Writes the cloud, whole or not at all: a temporary file beside the target is written, synced, verified, then
+/// renamed over it: stage() and commit(), and throws what they throw.
+/// A side-car index (.lax) of the file that is replaced is renamed to .lax.old, since LAStools would go by it.
 WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, const WriteOptions& options,
                   Progress& progress);
 
