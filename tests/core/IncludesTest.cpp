@@ -9,6 +9,7 @@
 #include <QTemporaryDir>
 #include <QTest>
 
+#include <functional>
 #include <optional>
 
 namespace
@@ -45,6 +46,25 @@ std::optional<QMap<QString, QStringList>> directionsOf(const QString& root)
          text.section("```directions\n", 1).section("```", 0, 0).split('\n', Qt::SkipEmptyParts))
         table[line.section(':', 0, 0)] = line.section(':', 1).split(' ', Qt::SkipEmptyParts);
     return table;
+}
+
+/// Folders of this layer that lead back to themselves by the table, each with its way.
+QStringList findCircles(const QMap<QString, QStringList>& directions, const QString& layer)
+{
+    QStringList circles, done;
+    const std::function<void(const QStringList&)> follow = [&](const QStringList& way) {
+        const QString& folder = way.back();
+        if (way.indexOf(folder) != way.size() - 1) {
+            circles += way.mid(way.indexOf(folder)).join(" -> ");
+            return;
+        }
+        if (done.contains(folder)) return;
+        for (const QString& next : directions.value(folder)) follow(way + QStringList(next));
+        done += folder;
+    };
+    for (const QString& folder : directions.keys())
+        if (folder == layer || folder.startsWith(layer + '/')) follow({folder});
+    return circles;
 }
 
 /// One sentence for each rule broken by the files of `root`.
@@ -119,6 +139,7 @@ private slots:
     void breachesAreFound();
     void innocentLinesAreNotBreaches();
     void directionsAreKept();
+    void directionsHaveNoCircle();
 };
 
 void IncludesTest::theProjectKeepsTheRules()
@@ -198,6 +219,21 @@ void IncludesTest::directionsAreKept()
     write(root.path() + "/core/new/N.h", "#include \"core/b/B.h\"\n");
     QCOMPARE(findBreaches(root.path()),
              QStringList("core/new/N.h:1 includes core/b, to which no direction leads (core/b/B.h)."));
+}
+
+void IncludesTest::directionsHaveNoCircle()
+{
+    QCOMPARE(
+        findCircles({{"a/x", {"a/y"}}, {"a/y", {"a/z"}}, {"a/z", {"a/y"}}, {"b", {"b/x"}}, {"b/x", {"b"}}}, "a"),
+        QStringList("a/y -> a/z -> a/y"));
+    QCOMPARE(findCircles({{"a/x", {"a/y", "a/z"}}, {"a/y", {"a/z"}}, {"a/z", {}}}, "a"), QStringList());
+    const auto directions = directionsOf(PUNCTUM_SOURCE_DIR);
+    QVERIFY(directions);
+    // Layers that have been set in order; none of them may fall back.
+    for (const QString& layer : {QStringLiteral("ui")}) {
+        const QStringList circles = findCircles(*directions, layer);
+        QVERIFY2(circles.isEmpty(), qPrintable(circles.join('\n')));
+    }
 }
 
 QTEST_APPLESS_MAIN(IncludesTest)

@@ -13,6 +13,7 @@
 #include "ui/docks/ClassesModel.h"
 #include "ui/docks/ProcessingDock.h"
 #include "ui/document/Workspace.h"
+#include "ui/view/Framing.h"
 #include "ui/view/MessageArea.h"
 #include "ui/view/Overlays.h"
 #include "ui/view/ViewSettings.h"
@@ -267,7 +268,7 @@ private slots:
         };
         QVERIFY(holds(*second));
         test.window->workspace().setActive(first);
-        test.window->fitActive();
+        test.window->framing().fitActive();
         QVERIFY(waitFor([&] { return holds(*first); }, 5000));
         test.window->workspace().close(*second);
         QCOMPARE(test.window->workspace().documents().size(), std::size_t(1));
@@ -281,7 +282,7 @@ private slots:
         second = test.open(far);
         QVERIFY(second);
         test.window->workspace().setActive(first);
-        test.window->fitActive();
+        test.window->framing().fitActive();
         QVERIFY(waitFor([&] { return holds(*first); }, 5000) && test.settle());
         const render::Camera before = test.window->viewport().camera();
         test.window->workspace().close(*second);

@@ -6,6 +6,7 @@
 #include "render/camera/CameraFile.h"
 #include "ui/basic/Text.h"
 #include "ui/document/Workspace.h"
+#include "ui/menu/Menus.h"
 #include "ui/navigate/AxesMark.h"
 #include "ui/navigate/Coordinates.h"
 #include "ui/navigate/GoToDialog.h"
@@ -15,6 +16,7 @@
 #include "ui/section/Sections.h"
 #include "ui/settings/WindowSettings.h"
 #include "ui/style/NumberField.h"
+#include "ui/view/Framing.h"
 #include "ui/view/MessageArea.h"
 #include "ui/view/Overlays.h"
 #include "ui/view/PivotMark.h"
@@ -136,7 +138,7 @@ private slots:
         QVERIFY(b.camera() == before);
         // The key is documented, and free.
         int times = 0;
-        for (const auto& shortcut : b.window->menu().shortcuts()) times += shortcut.keys == QStringLiteral("V");
+        for (const auto& shortcut : b.window->menus().shortcuts()) times += shortcut.keys == QStringLiteral("V");
         QCOMPARE(times, 1);
     }
 
@@ -226,7 +228,7 @@ private slots:
             camera.zoomTowards(camera.pivot, factor);
             b.view().setCamera(camera);
             QVERIFY(b.settle());
-            b.window->fitAll();
+            b.window->framing().fitAll();
             QVERIFY(waitFor([&] { return b.seen() > 0.7 && b.seen() <= 1.0; }, 10'000));
             QVERIFY(b.settle() && b.camera().orthographic);
         }

@@ -8,6 +8,7 @@
 #include "ui/basic/Text.h"
 #include "ui/document/Workspace.h"
 #include "ui/measure/MeasureTools.h"
+#include "ui/view/Framing.h"
 #include "ui/view/MessageArea.h"
 #include "ui/view/PivotMark.h"
 #include "ui/view/ViewFilter.h"
@@ -74,7 +75,7 @@ private slots:
         // All are shown by F, and the survey by F once more; and when the user has moved the camera, that comes
         // first.
         const auto fitted = [&](bool all) {
-            test.window->fitAll();
+            test.window->framing().fitAll();
             return waitFor([&] { return (seen(view, survey) < 0.05) == all; }, 10'000) && test.settle();
         };
         QVERIFY(fitted(true));
@@ -94,7 +95,7 @@ private slots:
         test.window->viewFilter().setText(
             QStringLiteral("X < %1").arg(all.min.x + (middle - all.min.x) / 4, 0, 'f', 3));
         QVERIFY(test.settle());
-        test.window->fitAll();
+        test.window->framing().fitAll();
         QVERIFY(waitFor(
             [&] { return test.window->viewport().camera().pivot.x < middle - (middle - all.min.x) / 2; }, 10'000));
         // The flight there ends in a quarter of a second.
@@ -104,7 +105,7 @@ private slots:
         test.window->viewFilter().setText(QStringLiteral("X < 0 and X > 0"));
         QVERIFY(test.settle());
         const render::Camera before = test.window->viewport().camera();
-        test.window->fitAll();
+        test.window->framing().fitAll();
         QVERIFY(waitFor([&] { return !test.window->viewport().messages().sentences().isEmpty(); }, 10'000));
         QVERIFY(test.window->viewport().camera() == before);
     }

@@ -3,9 +3,7 @@
 
 #include "core/cloud/ClassNames.h"
 #include "core/cloud/ValueText.h"
-#include "render/color/ColorMap.h"
 #include "ui/basic/Numbers.h"
-#include "ui/view/ViewRenderer.h"
 
 #include <QLocale>
 
@@ -160,21 +158,6 @@ QString classText(unsigned code)
     const std::string_view name = classNameOf(code);
     if (!name.empty()) return QStringLiteral("%1 %2").arg(code).arg(toQString(std::string(name)));
     return (code < kFirstOwn ? QStringLiteral("%1 Reserved") : QStringLiteral("%1 User defined")).arg(code);
-}
-
-QString readOutText(const PickedPoint& point)
-{
-    const CoordinateScale& coordinates = point.cloud->coordinates();
-    QString text =
-        QStringLiteral("x %1   y %2   z %3")
-            .arg(shownCoordinate(coordinates, 0, point.world.x), shownCoordinate(coordinates, 1, point.world.y),
-                 shownCoordinate(coordinates, 2, point.world.z));
-    if (point.classCode) text += QStringLiteral("   ·   ") + classText(*point.classCode);
-    static const QStringList told{QStringLiteral("X"), QStringLiteral("Y"), QStringLiteral("Z"),
-                                  QStringLiteral("Classification")};
-    if (!point.value.isEmpty() && !told.contains(point.attribute))
-        text += QStringLiteral("   ·   %1 %2").arg(point.attribute, point.value);
-    return text;
 }
 
 }  // namespace punctum::ui

@@ -12,8 +12,6 @@
 namespace punctum::ui
 {
 
-struct PickedPoint;
-
 /// Numbers and names as the window shows them, by the user's locale (ui/basic/Numbers.h). Any thread.
 
 /// "1,204": whole numbers with separators.
@@ -59,7 +57,5 @@ inline QString toQString(const std::string& text)
 
 /// "6 Building".
 QString classText(unsigned code);
-/// What the status bar says of the point under the cursor: its place, class, and value of what is shown.
-QString readOutText(const PickedPoint& point);
 
 }  // namespace punctum::ui

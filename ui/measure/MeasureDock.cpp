@@ -4,11 +4,10 @@
 #include "ui/basic/Text.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
+#include "ui/menu/Menus.h"
 #include "ui/style/Icons.h"
 #include "ui/style/Widgets.h"
 #include "ui/view/Viewport.h"
-#include "ui/window/MainMenu.h"
-#include "ui/window/MainWindow.h"
 
 #include <QActionGroup>
 #include <QApplication>
@@ -17,6 +16,7 @@
 #include <QHeaderView>
 #include <QKeyEvent>
 #include <QLabel>
+#include <QMainWindow>
 #include <QMenu>
 #include <QPushButton>
 #include <QToolBar>
@@ -144,14 +144,14 @@ void MeasureDock::fill()
     m_remove->setEnabled(chosen() != 0);
 }
 
-void addMeasureMenu(MainWindow& window, MeasureTools& tools, Measurements& measurements, MeasureDock& dock)
+void addMeasureMenu(Menus& menus, MeasureTools& tools, Measurements& measurements, MeasureDock& dock)
 {
-    MainMenu& menu = window.menu();
-    QMenu& measure = menu.insertMenu(MeasureDock::tr("&Measure"));
+    QMainWindow& window = menus.window();
+    QMenu& measure = menus.addMenu(MeasureDock::tr("&Measure"));
     auto* group = new QActionGroup(&window);
     const auto addTool = [&](MeasureKind kind, const QString& text, const QList<QKeySequence>& keys,
                              const QString& tip) {
-        menu.addTool(&measure, group, int(kind), text, {}, keys, tip, [&tools, kind](bool on) {
+        menus.addTool(&measure, group, int(kind), text, {}, keys, tip, [&tools, kind](bool on) {
             if (on)
                 tools.setTool(kind);
             else if (tools.tool() == kind)
@@ -184,9 +184,9 @@ void addMeasureMenu(MainWindow& window, MeasureTools& tools, Measurements& measu
         dock.raise();
     };
     QObject::connect(&dock, &MeasureDock::exportWanted, &window, exportCsv);
-    menu.needsDocument(menu.add(&measure, MeasureDock::tr("&Export CSV..."), {}, {}, {}, exportCsv));
-    menu.needsDocument(
-        menu.add(&measure, MeasureDock::tr("Remove A&ll"), {}, {}, {}, [&measurements] { measurements.clear(); }));
+    menus.needsDocument(menus.add(&measure, MeasureDock::tr("&Export CSV..."), {}, {}, {}, exportCsv));
+    menus.needsDocument(
+        menus.add(&measure, MeasureDock::tr("Remove A&ll"), {}, {}, {}, [&measurements] { measurements.clear(); }));
 
     auto* button = new QToolButton;
     button->setIcon(lineIcon(QStringLiteral("measure")));
@@ -202,7 +202,7 @@ void addMeasureMenu(MainWindow& window, MeasureTools& tools, Measurements& measu
         button->setToolTip(tools.tool() ? MeasureDock::tr("Measuring: %1").arg(kindText(*tools.tool()))
                                         : MeasureDock::tr("Inspect points and measure"));
     });
-    menu.toolBar().addWidget(button);
+    menus.toolBar().addWidget(button);
 }
 
 }  // namespace punctum::ui

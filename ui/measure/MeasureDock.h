@@ -10,9 +10,9 @@ class QTreeWidget;
 namespace punctum::ui
 {
 
-class MainWindow;
 class Measurements;
 class MeasureTools;
+class Menus;
 
 /// The list of measurements: each with its values, a point with all its attributes and its neighbors. GUI thread
 /// only.
@@ -46,6 +46,6 @@ private:
 };
 
 /// Adds the menu Measure to the window, and its button to the tool bar.
-void addMeasureMenu(MainWindow& window, MeasureTools& tools, Measurements& measurements, MeasureDock& dock);
+void addMeasureMenu(Menus& menus, MeasureTools& tools, Measurements& measurements, MeasureDock& dock);
 
 }  // namespace punctum::ui

@@ -8,20 +8,20 @@
 #include "ui/basic/Text.h"
 #include "ui/document/Document.h"
 #include "ui/document/Workspace.h"
+#include "ui/menu/Menus.h"
 #include "ui/navigate/AxesMark.h"
 #include "ui/navigate/GoToDialog.h"
 #include "ui/navigate/SavedViewsDialog.h"
 #include "ui/settings/WindowSettings.h"
 #include "ui/view/MessageArea.h"
 #include "ui/view/Viewport.h"
-#include "ui/window/MainMenu.h"
-#include "ui/window/MainWindow.h"
 
 #include <QApplication>
 #include <QClipboard>
 #include <QFileDialog>
 #include <QFileInfo>
 #include <QInputDialog>
+#include <QMainWindow>
 #include <QMenu>
 #include <QPointer>
 #include <QSaveFile>
@@ -43,14 +43,15 @@ constexpr int kKeys = 9;  // Alt+1 to Alt+9
 
 }  // namespace
 
-Places::Places(MainWindow& window, WindowSettings& settings)
-    : QObject(&window),
-      m_window(window),
+Places::Places(Menus& menus, Workspace& workspace, Viewport& view, WindowSettings& settings)
+    : QObject(&menus.window()),
+      m_menus(menus),
+      m_workspace(workspace),
+      m_view(view),
       m_settings(settings),
-      m_axes(new AxesMark(window.viewport())),
+      m_axes(new AxesMark(view)),
       m_saved(SavedViews::fromText(settings.savedViews()))
 {
-    Viewport& view = window.viewport();
     view.setCorner(m_axes);
     view.showCorner(settings.axes());
     connect(m_axes, &AxesMark::viewWanted, &view, &Viewport::lookFrom);
@@ -60,36 +61,35 @@ Places::Places(MainWindow& window, WindowSettings& settings)
 
 void Places::addActions()
 {
-    MainMenu& menu = m_window.menu();
-    QMenu& viewMenu = menu.viewMenu();
-    Viewport& view = m_window.viewport();
+    QMenu& viewMenu = m_menus.viewMenu();
+    Viewport& view = m_view;
     const auto insert = [&](QAction* action) {
-        viewMenu.insertAction(menu.placesEnd(), action);
+        viewMenu.insertAction(m_menus.placesEnd(), action);
         return action;
     };
     QAction* const parallel =
-        insert(menu.add(&viewMenu, tr("&Orthographic"), {}, {QKeySequence(Qt::Key_V)},
-                        tr("Parallel lines stay parallel, and all has the same scale, or perspective"), [] {}));
+        insert(m_menus.add(&viewMenu, tr("&Orthographic"), {}, {QKeySequence(Qt::Key_V)},
+                           tr("Parallel lines stay parallel, and all has the same scale, or perspective"), [] {}));
     parallel->setObjectName(QStringLiteral("orthographic"));
     parallel->setCheckable(true);
-    menu.needsDocument(parallel);
+    m_menus.needsDocument(parallel);
     connect(parallel, &QAction::triggered, &view, &Viewport::setOrthographic);
     connect(&view, &Viewport::cameraChanged, parallel,
             [parallel, &view] { parallel->setChecked(view.camera().orthographic); });
 
     QAction* const coordinate =
-        insert(menu.add(&viewMenu, tr("&Go to Coordinate..."), {}, {QKeySequence(Qt::CTRL | Qt::Key_G)},
-                        tr("Bring a place into the middle of the view"), [this] { askCoordinate(); }));
+        insert(m_menus.add(&viewMenu, tr("&Go to Coordinate..."), {}, {QKeySequence(Qt::CTRL | Qt::Key_G)},
+                           tr("Bring a place into the middle of the view"), [this] { askCoordinate(); }));
     coordinate->setObjectName(QStringLiteral("goToCoordinate"));
-    menu.needsDocument(coordinate);
+    m_menus.needsDocument(coordinate);
 
-    m_menu = new QMenu(tr("Saved Vie&ws"), &m_window);
-    viewMenu.insertMenu(menu.placesEnd(), m_menu);
+    m_menu = new QMenu(tr("Saved Vie&ws"), &m_menus.window());
+    viewMenu.insertMenu(m_menus.placesEnd(), m_menu);
     addSavedViews(*m_menu);
 
     QAction* const axes =
-        insert(menu.add(&viewMenu, tr("A&xes in the Corner"), {}, {},
-                        tr("Axes in the corner of the view; a click on an end looks from there"), [] {}));
+        insert(m_menus.add(&viewMenu, tr("A&xes in the Corner"), {}, {},
+                           tr("Axes in the corner of the view; a click on an end looks from there"), [] {}));
     axes->setObjectName(QStringLiteral("axes"));
     axes->setCheckable(true);
     axes->setChecked(m_settings.axes());
@@ -101,32 +101,31 @@ void Places::addActions()
 
 void Places::addSavedViews(QMenu& menu)
 {
-    MainMenu& main = m_window.menu();
-    QAction* const save = main.add(&menu, tr("&Save View..."), {}, {QKeySequence(Qt::SHIFT | Qt::Key_V)},
-                                   tr("Keep where the camera is, under a name"), [this] { askName(); });
+    QAction* const save = m_menus.add(&menu, tr("&Save View..."), {}, {QKeySequence(Qt::SHIFT | Qt::Key_V)},
+                                      tr("Keep where the camera is, under a name"), [this] { askName(); });
     save->setObjectName(QStringLiteral("saveView"));
-    main.needsDocument(save);
+    m_menus.needsDocument(save);
     menu.addSeparator();
     m_listEnd = menu.addSeparator();
-    QAction* const arrange = main.add(&menu, tr("&Rename or Delete..."), {}, {}, {},
-                                      [this] { (new SavedViewsDialog(*this, &m_window))->show(); });
-    QAction* const copy = main.add(&menu, tr("&Copy Camera"), {}, {},
-                                   tr("As the text of a camera file, which punctum render --camera reads"),
-                                   [this] { QApplication::clipboard()->setText(cameraText()); });
+    QAction* const arrange = m_menus.add(&menu, tr("&Rename or Delete..."), {}, {}, {},
+                                         [this] { (new SavedViewsDialog(*this, &m_menus.window()))->show(); });
+    QAction* const copy = m_menus.add(&menu, tr("&Copy Camera"), {}, {},
+                                      tr("As the text of a camera file, which punctum render --camera reads"),
+                                      [this] { QApplication::clipboard()->setText(cameraText()); });
     QAction* const write =
-        main.add(&menu, tr("Save Camera &File..."), {}, {}, tr("A file that punctum render --camera reads"),
-                 [this] { chooseCameraFile(); });
-    for (QAction* const action : {arrange, copy, write}) main.needsDocument(action);
+        m_menus.add(&menu, tr("Save Camera &File..."), {}, {}, tr("A file that punctum render --camera reads"),
+                    [this] { chooseCameraFile(); });
+    for (QAction* const action : {arrange, copy, write}) m_menus.needsDocument(action);
     copy->setObjectName(QStringLiteral("copyCamera"));
     arrange->setObjectName(QStringLiteral("arrangeViews"));
     connect(&menu, &QMenu::aboutToShow, this, &Places::fillMenu);
     // The keys act whether the menu was open or not; so they are no part of it.
     for (int number = 1; number <= kKeys; ++number) {
-        auto* const key = new QAction(tr("Saved view %1").arg(number), &m_window);
+        auto* const key = new QAction(tr("Saved view %1").arg(number), &m_menus.window());
         key->setShortcut(QKeySequence(Qt::ALT | Qt::Key(Qt::Key_0 + number)));
         key->setObjectName(QStringLiteral("savedView%1").arg(number));
-        m_window.addAction(key);
-        main.needsDocument(key);
+        m_menus.window().addAction(key);
+        m_menus.needsDocument(key);
         connect(key, &QAction::triggered, this, [this, number] { recall(number); });
     }
 }
@@ -157,38 +156,37 @@ void Places::fillMenu()
 
 void Places::say(const QString& sentence)
 {
-    m_window.viewport().messages().add(MessageKind::Info, sentence);
+    m_view.messages().add(MessageKind::Info, sentence);
 }
 
 // -- coordinates
 
 void Places::askCoordinate()
 {
-    const Document* const active = m_window.workspace().active();
+    const Document* const active = m_workspace.active();
     if (!active) return;
-    const glm::dvec3& now = m_window.viewport().camera().pivot;
+    const glm::dvec3& now = m_view.camera().pivot;
     const auto text = [&](int axis) { return plainCoordinate(active->cloud()->coordinates(), axis, now[axis]); };
-    auto* const dialog = new GoToDialog(text(0), text(1), active->coordinateUnit(), &m_window);
+    auto* const dialog = new GoToDialog(text(0), text(1), active->coordinateUnit(), &m_menus.window());
     connect(dialog, &GoToDialog::placeChosen, this, &Places::goTo);
     dialog->open();
 }
 
 void Places::goTo(glm::dvec3 world, bool hasHeight)
 {
-    Viewport& view = m_window.viewport();
-    const Document* const active = m_window.workspace().active();
+    const Document* const active = m_workspace.active();
     if (!active) return;
-    if (!hasHeight) world.z = view.camera().pivot.z;
+    if (!hasHeight) world.z = m_view.camera().pivot.z;
     double nearest = std::numeric_limits<double>::infinity();
-    for (const Document* const document : m_window.workspace().documents()) {
+    for (const Document* const document : m_workspace.documents()) {
         const WorldBounds& bounds = document->bounds();
         if (bounds.empty()) continue;
         glm::dvec3 away = glm::max(glm::max(bounds.min - world, world - bounds.max), glm::dvec3(0.0));
         if (!hasHeight) away.z = 0.0;
-        nearest = std::min(nearest, glm::length(away * view.camera().stretch));
+        nearest = std::min(nearest, glm::length(away * m_view.camera().stretch));
     }
-    view.goTo(world);
-    m_window.focusView();
+    m_view.goTo(world);
+    m_view.setFocus();
     if (nearest == 0.0) return;
     const QString place = QStringLiteral("%1; %2").arg(shownCoordinate(active->cloud()->coordinates(), 0, world.x),
                                                        shownCoordinate(active->cloud()->coordinates(), 1, world.y));
@@ -203,7 +201,7 @@ void Places::goTo(glm::dvec3 world, bool hasHeight)
 std::vector<SavedViews::View> Places::views() const
 {
     QStringList files;
-    const Workspace& workspace = m_window.workspace();
+    const Workspace& workspace = m_workspace;
     if (const Document* const active = workspace.active()) files << active->path();
     for (const Document* const document : workspace.documents())
         if (document != workspace.active()) files << document->path();
@@ -212,9 +210,9 @@ std::vector<SavedViews::View> Places::views() const
 
 void Places::askName()
 {
-    const Document* const active = m_window.workspace().active();
+    const Document* const active = m_workspace.active();
     if (!active) return;
-    auto* const dialog = new QInputDialog(&m_window);
+    auto* const dialog = new QInputDialog(&m_menus.window());
     dialog->setAttribute(Qt::WA_DeleteOnClose);
     dialog->setObjectName(QStringLiteral("viewName"));
     dialog->setWindowTitle(tr("Save view"));
@@ -227,7 +225,7 @@ void Places::askName()
 
 void Places::save(const QString& name)
 {
-    const Document* const active = m_window.workspace().active();
+    const Document* const active = m_workspace.active();
     if (!active) return;
     if (!m_saved.add({active->path(), name, cameraText()}))
         return say(tr("%1 views of this file are saved, which is the most there can be: delete one first.")
@@ -237,13 +235,12 @@ void Places::save(const QString& name)
 
 void Places::recall(const SavedViews::View& view)
 {
-    Viewport& viewport = m_window.viewport();
-    const QSize size = viewport.pictureSize();
+    const QSize size = m_view.pictureSize();
     try {
-        viewport.flyTo(
-            render::readCamera(view.camera.toStdString(), viewport.camera(), {}, {size.width(), size.height()}));
+        m_view.flyTo(
+            render::readCamera(view.camera.toStdString(), m_view.camera(), {}, {size.width(), size.height()}));
     } catch (const Error& error) {
-        m_window.viewport().messages().add(
+        m_view.messages().add(
             MessageKind::Warning,
             tr("The view \"%1\" cannot be read: %2").arg(view.name, QString::fromUtf8(error.what())));
     }
@@ -267,7 +264,7 @@ bool Places::rename(const SavedViews::View& view, const QString& name)
 
 void Places::remove(const SavedViews::View& view)
 {
-    const auto& ask = m_window.workspace().askQuestion;
+    const auto& ask = m_workspace.askQuestion;
     if (!ask) return;
     ask({tr("Delete this view?"), tr("\"%1\" is gone then; points are not concerned.").arg(view.name),
          tr("&Delete")},
@@ -286,17 +283,17 @@ void Places::keep()
 
 QString Places::cameraText() const
 {
-    return toQString(render::cameraText(m_window.viewport().camera()));
+    return toQString(render::cameraText(m_view.camera()));
 }
 
 void Places::chooseCameraFile()
 {
-    const Document* const active = m_window.workspace().active();
+    const Document* const active = m_workspace.active();
     if (!active) return;
     const QString base = QFileInfo(active->fileName()).completeBaseName();
     QString path = QFileDialog::getSaveFileName(
-        &m_window, tr("Save the camera"), m_settings.folder() + QLatin1Char('/') + base + QStringLiteral(".json"),
-        tr("Camera file (*.json)"));
+        &m_menus.window(), tr("Save the camera"),
+        m_settings.folder() + QLatin1Char('/') + base + QStringLiteral(".json"), tr("Camera file (*.json)"));
     if (path.isEmpty()) return;
     if (QFileInfo(path).suffix().isEmpty()) path += QStringLiteral(".json");
     writeCamera(path);
@@ -304,7 +301,7 @@ void Places::chooseCameraFile()
 
 void Places::writeCamera(const QString& path)
 {
-    m_window.workspace().startJob(tr("Save the camera"), [path, text = cameraText().toUtf8()](Progress&) {
+    m_workspace.startJob(tr("Save the camera"), [path, text = cameraText().toUtf8()](Progress&) {
         QSaveFile file(path);
         if (!file.open(QIODevice::WriteOnly) || file.write(text) != text.size() || !file.commit())
             throw Error(toPath(path), "The camera could not be written: " + file.errorString().toStdString() + ".");

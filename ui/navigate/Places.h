@@ -16,17 +16,19 @@ namespace punctum::ui
 {
 
 class AxesMark;
-class MainWindow;
+class Menus;
+class Viewport;
 class WindowSettings;
+class Workspace;
 
 /// Where the main view may go, and how it looks there: orthographic or not, the axes in its corner, a coordinate,
 /// views that were saved, the camera as a file. Brings its entries into the View menu. GUI thread only; a child of
-/// the window, borrows the settings.
+/// the window, borrows what it is made with.
 class Places final : public QObject
 {
     Q_OBJECT
 public:
-    Places(MainWindow& window, WindowSettings& settings);
+    Places(Menus& menus, Workspace& workspace, Viewport& view, WindowSettings& settings);
 
     AxesMark& axes() noexcept { return *m_axes; }
 
@@ -64,7 +66,9 @@ private:
     void say(const QString& sentence);
     void keep();
 
-    MainWindow& m_window;
+    Menus& m_menus;
+    Workspace& m_workspace;
+    Viewport& m_view;
     WindowSettings& m_settings;
     AxesMark* m_axes;
     SavedViews m_saved;

@@ -14,7 +14,6 @@
 #include "ui/view/Still.h"
 #include "ui/view/ViewRenderer.h"
 #include "ui/view/Viewport.h"
-#include "ui/window/MainWindow.h"
 
 #include <QApplication>
 #include <QFileDialog>
@@ -70,19 +69,26 @@ struct Screenshots::Order {
     }
 };
 
-Screenshots::Screenshots(MainWindow& window, WindowSettings& settings)
-    : QObject(&window), m_window(window), m_settings(settings)
+Screenshots::Screenshots(QWidget& window, Workspace& workspace, Viewport& view, Sections& sections,
+                         const Measurements& measurements, WindowSettings& settings)
+    : QObject(&window),
+      m_window(window),
+      m_workspace(workspace),
+      m_view(view),
+      m_sections(sections),
+      m_measurements(measurements),
+      m_settings(settings)
 {
 }
 
 Viewport& Screenshots::viewport(bool section) const
 {
-    return section ? m_window.sections().viewport() : m_window.viewport();
+    return section ? m_sections.viewport() : m_view;
 }
 
 bool Screenshots::hasSection() const
 {
-    return m_window.sections().section().has_value();
+    return m_sections.section().has_value();
 }
 
 QSize Screenshots::viewSize(bool section) const
@@ -93,18 +99,18 @@ QSize Screenshots::viewSize(bool section) const
 ScreenshotOptions Screenshots::preset() const
 {
     ScreenshotOptions options = m_settings.screenshot();
-    options.section = hasSection() && m_window.focusWidget() == &m_window.sections().viewport();
+    options.section = hasSection() && m_window.focusWidget() == &m_sections.viewport();
     options.size = viewSize(options.section);
     return options;
 }
 
 void Screenshots::choose()
 {
-    if (!m_window.workspace().active()) return;
+    if (!m_workspace.active()) return;
     auto* const dialog = new ScreenshotDialog(*this, preset(), &m_window);
     connect(dialog, &ScreenshotDialog::wanted, this, [this](const ScreenshotOptions& options) {
         m_settings.setScreenshot(options);
-        const Document* const active = m_window.workspace().active();
+        const Document* const active = m_workspace.active();
         if (!active) return;
         const QString base = QFileInfo(active->fileName()).completeBaseName();
         QString path = QFileDialog::getSaveFileName(
@@ -138,15 +144,15 @@ std::shared_ptr<Screenshots::Order> Screenshots::order(const ScreenshotOptions& 
     marks.camera = request.camera;
     marks.scaleBar = options.scaleBar && !options.section;
     marks.northArrow = options.northArrow && !options.section;
-    const Document* const active = m_window.workspace().active();
+    const Document* const active = m_workspace.active();
     if (active) marks.unit = active->lengthUnit();
     if (options.measurements)
-        for (const Measurements::Entry& entry : m_window.measurements().entries()) {
+        for (const Measurements::Entry& entry : m_measurements.entries()) {
             const auto& points = entry.measurement.points;
             if (std::all_of(points.begin(), points.end(), [&](const auto& p) { return view.keeps(p.world); }))
                 marks.measurements.push_back(entry.measurement);
         }
-    if (options.section && options.ruler) marks.ruler = m_window.sections().rulerMarks();
+    if (options.section && options.ruler) marks.ruler = m_sections.rulerMarks();
     // The range of its colors is known when it has been drawn; what else the legend says is known now.
     if (const auto frame = view.renderer().frame(); options.legend && active && frame) {
         const Legend now = legendOf(*active, frame->attribute, frame->range, request.display);
@@ -164,7 +170,7 @@ std::shared_ptr<Screenshots::Order> Screenshots::order(const ScreenshotOptions& 
 
 void Screenshots::save(const QString& path, const ScreenshotOptions& options)
 {
-    Workspace& workspace = m_window.workspace();
+    Workspace& workspace = m_workspace;
     const QString name = QFileInfo(path).fileName();
     const QString sentence = options.section ? tr("Saved the section as %1.").arg(name) : tr("Saved %1.").arg(name);
     workspace.startJob(
@@ -182,7 +188,7 @@ JobId Screenshots::preview(const ScreenshotOptions& options, QSize size, std::fu
 {
     const auto picture = std::make_shared<QImage>();
     const double shrink = double(size.height()) / std::max(1, options.size.height());
-    return m_window.workspace().startJob(
+    return m_workspace.startJob(
         tr("Preview"),
         [order = order(options, size, shrink), picture](Progress& progress) { *picture = order->finish(progress); },
         [picture, done = std::move(done)](const JobInfo& info) {
@@ -193,7 +199,7 @@ JobId Screenshots::preview(const ScreenshotOptions& options, QSize size, std::fu
 
 void Screenshots::cancel(JobId job)
 {
-    m_window.workspace().cancel(job);
+    m_workspace.cancel(job);
 }
 
 }  // namespace punctum::ui

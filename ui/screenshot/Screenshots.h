@@ -11,22 +11,27 @@
 #include <functional>
 #include <memory>
 
+class QWidget;
+
 namespace punctum::ui
 {
 
-class MainWindow;
+class Measurements;
+class Sections;
 class Viewport;
 class WindowSettings;
+class Workspace;
 
 /// Pictures of the views as files: what a dialog asks for, drawn by the render thread beside the view, and written
 /// by a job, whole or not at all.
 ///
-/// GUI thread only; every call returns at once. A child of the window; borrows the settings, which must outlive it.
+/// GUI thread only; every call returns at once. A child of the window; borrows what it is made with.
 class Screenshots final : public QObject
 {
     Q_OBJECT
 public:
-    Screenshots(MainWindow& window, WindowSettings& settings);
+    Screenshots(QWidget& window, Workspace& workspace, Viewport& view, Sections& sections,
+                const Measurements& measurements, WindowSettings& settings);
 
     /// Asks how the picture is to be, then where to put it.
     void choose();
@@ -47,7 +52,11 @@ private:
     /// Begins to draw. `shrink`: px of the drawn picture for each of the options' size.
     std::shared_ptr<Order> order(const ScreenshotOptions& options, QSize size, double shrink);
 
-    MainWindow& m_window;
+    QWidget& m_window;
+    Workspace& m_workspace;
+    Viewport& m_view;
+    Sections& m_sections;
+    const Measurements& m_measurements;
     WindowSettings& m_settings;
 };
 

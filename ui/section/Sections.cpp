@@ -7,6 +7,7 @@
 #include "ui/basic/Text.h"
 #include "ui/document/Workspace.h"
 #include "ui/measure/MeasureTools.h"
+#include "ui/menu/Menus.h"
 #include "ui/section/SectionOverlays.h"
 #include "ui/section/SectionPane.h"
 #include "ui/section/SectionTool.h"
@@ -20,12 +21,11 @@
 #include "ui/view/ViewRenderer.h"
 #include "ui/view/ViewSettings.h"
 #include "ui/view/Viewport.h"
-#include "ui/window/MainMenu.h"
-#include "ui/window/MainWindow.h"
 
 #include <QActionGroup>
 #include <QDoubleSpinBox>
 #include <QKeyEvent>
+#include <QMainWindow>
 #include <QMenu>
 #include <QSplitter>
 #include <QToolBar>
@@ -57,29 +57,32 @@ QString lengthText(double length, const QString& unit)
 
 }  // namespace
 
-Sections::Sections(MainWindow& window, QSplitter& splitter, WindowSettings& settings)
-    : QObject(&window),
-      m_window(window),
+Sections::Sections(const MainView& main, Menus& menus, SelectTools& select, MeasureTools& measure,
+                   QSplitter& splitter, WindowSettings& settings)
+    : QObject(&menus.window()),
+      m_main(main),
+      m_select(select),
+      m_measure(measure),
       m_splitter(splitter),
       m_settings(settings),
-      m_renderer(std::make_unique<ViewRenderer>(window.renderer())),
-      m_pane(new SectionPane(*m_renderer, window.viewSettings(), window.viewport().usesOpenGl())),
-      m_band(new SectionBand(window.viewport())),
-      m_tool(new SectionTool(window.viewport(), *m_band, this)),
+      m_renderer(std::make_unique<ViewRenderer>(main.renderer)),
+      m_pane(new SectionPane(*m_renderer, main.settings, main.viewport.usesOpenGl())),
+      m_band(new SectionBand(main.viewport)),
+      m_tool(new SectionTool(main.viewport, *m_band, this)),
       m_ruler(new SectionRuler(m_pane->viewport())),
-      m_pill(new ShownPill(m_pane->viewport(), window.viewScope())),
-      m_mainMark(new PointMark(window.viewport())),
+      m_pill(new ShownPill(m_pane->viewport(), main.scope)),
+      m_mainMark(new PointMark(main.viewport)),
       m_sectionMark(new PointMark(m_pane->viewport()))
 {
     m_pane->hide();
     m_splitter.addWidget(m_pane);
     m_splitter.setCollapsible(1, false);
     place(m_settings.sectionBeside());
-    m_window.selectTools().addView(viewport());
-    m_window.measureTools().addView(viewport());
+    m_select.addView(viewport());
+    m_measure.addView(viewport());
     viewport().installEventFilter(this);
-    m_window.viewport().installEventFilter(this);
-    addMenu();
+    m_main.viewport.installEventFilter(this);
+    addMenu(menus);
     linkPoints();
 
     connect(m_tool, &SectionTool::drawn, this, &Sections::draw);
@@ -95,7 +98,7 @@ Sections::Sections(MainWindow& window, QSplitter& splitter, WindowSettings& sett
         place(beside);
     });
 
-    Workspace& workspace = m_window.workspace();
+    Workspace& workspace = m_main.workspace;
     connect(&workspace, &Workspace::activeChanged, this, [this, &workspace](Document* active) {
         viewport().setDocument(active, int(workspace.documents().size()));
     });
@@ -111,13 +114,13 @@ Sections::Sections(MainWindow& window, QSplitter& splitter, WindowSettings& sett
     };
     connect(&workspace, &Workspace::documentLoaded, this, countLater);
     connect(&workspace, &Workspace::cloudChanged, this, countLater);
-    connect(&m_window.viewFilter(), &ViewFilter::changed, this, countLater);
-    const ShownCount& shown = m_window.shownCount();
+    connect(&m_main.filter, &ViewFilter::changed, this, countLater);
+    const ShownCount& shown = m_main.shown;
     connect(&shown, &ShownCount::changed, this, [this, &shown, countLater] {
         if (shown.state().reasons.isEmpty()) m_pill->take({});
         if (shown.state().reasons != m_countedReasons) countLater();
     });
-    const ViewSettings& view = m_window.viewSettings();
+    const ViewSettings& view = m_main.settings;
     connect(&view, &ViewSettings::changed, this, [this, &view, countLater] {
         if (view.display().classVisible != m_countedClasses || !(view.display().clip == m_countedClip))
             countLater();
@@ -139,20 +142,19 @@ std::optional<RulerMarks> Sections::rulerMarks() const
     return m_ruler->marks();
 }
 
-void Sections::addMenu()
+void Sections::addMenu(Menus& menus)
 {
-    MainMenu& menu = m_window.menu();
-    QMenu& sections = menu.insertMenu(tr("Se&ction"));
+    QMenu& sections = menus.addMenu(tr("Se&ction"));
     auto* const group = new QActionGroup(this);
-    QAction* const tool = menu.addTool(&sections, group, 0, tr("&Draw a Section"), QStringLiteral("section"),
-                                       {QKeySequence(Qt::Key_X)},
-                                       tr("Draw a line, two clicks or a drag, to see the section along it"),
-                                       [this](bool on) { m_tool->setOn(on); });
-    menu.toolBar().addAction(tool);
+    QAction* const tool = menus.addTool(&sections, group, 0, tr("&Draw a Section"), QStringLiteral("section"),
+                                        {QKeySequence(Qt::Key_X)},
+                                        tr("Draw a line, two clicks or a drag, to see the section along it"),
+                                        [this](bool on) { m_tool->setOn(on); });
+    menus.toolBar().addAction(tool);
     sections.addSeparator();
     std::vector<QAction*> needSection;
     const auto add = [&](const QString& text, const QString& tip, std::function<void()> act) {
-        needSection.push_back(menu.add(&sections, text, {}, {}, tip, std::move(act)));
+        needSection.push_back(menus.add(&sections, text, {}, {}, tip, std::move(act)));
     };
     add(tr("Walk &Ahead"), tr("Up or Right in the view does it, too"), [this] { walk(1.0); });
     add(tr("Walk &Back"), tr("Down or Left in the view does it, too"), [this] { walk(-1.0); });
@@ -166,19 +168,17 @@ void Sections::addMenu()
     connect(&sections, &QMenu::aboutToShow, this, update);
 
     // One tool has the mouse.
-    SelectTools& select = m_window.selectTools();
-    MeasureTools& measure = m_window.measureTools();
-    connect(m_tool, &SectionTool::toggled, this, [&select, &measure, tool](bool on) {
+    connect(m_tool, &SectionTool::toggled, this, [this, tool](bool on) {
         tool->setChecked(on);
         if (!on) return;
-        select.setTool(SelectTools::Tool::None);
-        measure.setTool({});
+        m_select.setTool(SelectTools::Tool::None);
+        m_measure.setTool({});
     });
-    connect(&select, &SelectTools::toolChanged, this, [this](SelectTools::Tool chosen) {
+    connect(&m_select, &SelectTools::toolChanged, this, [this](SelectTools::Tool chosen) {
         if (chosen != SelectTools::Tool::None) m_tool->setOn(false);
     });
-    connect(&measure, &MeasureTools::toolChanged, this, [this, &measure] {
-        if (measure.tool()) m_tool->setOn(false);
+    connect(&m_measure, &MeasureTools::toolChanged, this, [this] {
+        if (m_measure.tool()) m_tool->setOn(false);
     });
 }
 
@@ -192,8 +192,8 @@ void Sections::linkPoints()
                     mark.setPlace(seen ? std::optional(point->world) : std::nullopt);
                 });
     };
-    link(m_window.viewport(), *m_mainMark, viewport(), *m_sectionMark);
-    link(viewport(), *m_sectionMark, m_window.viewport(), *m_mainMark);
+    link(m_main.viewport, *m_mainMark, viewport(), *m_sectionMark);
+    link(viewport(), *m_sectionMark, m_main.viewport, *m_mainMark);
 }
 
 // -- opening and closing
@@ -206,16 +206,16 @@ double Sections::firstWidth(double length, const QString& unit) const
 
 void Sections::draw(const glm::dvec3& from, const glm::dvec3& to)
 {
-    const Document* const active = m_window.workspace().active();
+    const Document* const active = m_main.workspace.active();
     if (!active) return;
     Section section;
     section.from = from;
     section.to = to;
-    section.stretch = m_window.viewport().camera().stretch;
+    section.stretch = m_main.viewport.camera().stretch;
     section.width = firstWidth(section.length(), active->lengthUnit());
     if (!section.usable()) {
-        m_window.workspace().say(MessageKind::Info,
-                                 tr("A section is drawn between two places that differ on the map."));
+        m_main.workspace.say(MessageKind::Info,
+                             tr("A section is drawn between two places that differ on the map."));
         return;
     }
     open(section, from.z, to.z);
@@ -223,7 +223,7 @@ void Sections::draw(const glm::dvec3& from, const glm::dvec3& to)
 
 void Sections::open(const Section& section, double fromHeight, double toHeight)
 {
-    Workspace& workspace = m_window.workspace();
+    Workspace& workspace = m_main.workspace;
     if (!workspace.active()) return;
     change(section);
     m_document = workspace.active();
@@ -254,13 +254,13 @@ void Sections::close()
     change({});
     m_document.clear();
     m_countTimer.stop();
-    if (m_job != 0) m_window.workspace().cancel(m_job);
+    if (m_job != 0) m_main.workspace.cancel(m_job);
     m_renderer->setOn(false);
     m_pane->hide();
     m_band->setSection({});
     m_mainMark->setPlace({});
     m_sectionMark->setPlace({});
-    m_window.focusView();
+    m_main.viewport.setFocus();
 }
 
 void Sections::place(bool beside)
@@ -270,7 +270,7 @@ void Sections::place(bool beside)
 
 void Sections::change(const std::optional<Section>& section)
 {
-    m_window.selectTools().giveUp();  // it was drawn on what is no longer seen
+    m_select.giveUp();  // it was drawn on what is no longer seen
     m_section = section;
 }
 
@@ -362,18 +362,18 @@ void Sections::turn()
 void Sections::count()
 {
     if (!m_section) return;
-    Workspace& workspace = m_window.workspace();
+    Workspace& workspace = m_main.workspace;
     if (m_job != 0) workspace.cancel(m_job);
-    m_countedClasses = m_window.viewSettings().display().classVisible;
-    m_countedClip = m_window.viewSettings().display().clip;
-    m_countedReasons = m_window.shownCount().state().reasons;
+    m_countedClasses = m_main.settings.display().classVisible;
+    m_countedClip = m_main.settings.display().clip;
+    m_countedReasons = m_main.shown.state().reasons;
     std::vector<std::pair<std::shared_ptr<const PointCloud>, Visibility>> clouds;
     const auto sides = m_section->sides();
     Visibility slab;
     slab.clip.planes.assign(sides.begin(), sides.end());
     for (const Document* document : workspace.documents()) {
         if (document->loading()) continue;
-        clouds.emplace_back(document->cloud(), m_window.viewFilter().visibility(*document));
+        clouds.emplace_back(document->cloud(), m_main.filter.visibility(*document));
         auto& planes = clouds.back().second.clip.planes;
         planes.insert(planes.end(), sides.begin(), sides.end());
     }
@@ -451,8 +451,8 @@ bool Sections::eventFilter(QObject* watched, QEvent* event)
             fit();
             return true;
         case Qt::Key_Escape:
-            if (!own || viewport().clipFrame().dragging() || m_tool->on() || m_window.measureTools().tool() ||
-                m_window.selectTools().tool() != SelectTools::Tool::None)
+            if (!own || viewport().clipFrame().dragging() || m_tool->on() || m_measure.tool() ||
+                m_select.tool() != SelectTools::Tool::None)
                 return false;
             close();
             return true;

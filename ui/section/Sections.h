@@ -3,6 +3,7 @@
 
 #include "core/cloud/Section.h"
 #include "core/task/Jobs.h"
+#include "ui/view/MainView.h"
 
 #include <QObject>
 #include <QPointer>
@@ -19,16 +20,16 @@ namespace punctum::ui
 {
 
 class Document;
-class MainWindow;
+class MeasureTools;
+class Menus;
 class PointMark;
 struct RulerMarks;
 class SectionBand;
 class SectionPane;
 class SectionRuler;
 class SectionTool;
+class SelectTools;
 class ShownPill;
-class ViewRenderer;
-class Viewport;
 class WindowSettings;
 
 /// The section view: its tool and menu, the pane below or beside the main view, and how it walks. Whatever is
@@ -41,7 +42,8 @@ class Sections final : public QObject
 {
     Q_OBJECT
 public:
-    Sections(MainWindow& window, QSplitter& splitter, WindowSettings& settings);
+    Sections(const MainView& main, Menus& menus, SelectTools& select, MeasureTools& measure, QSplitter& splitter,
+             WindowSettings& settings);
     ~Sections() override;
 
     /// None: no section is open.
@@ -74,7 +76,7 @@ public:
     bool eventFilter(QObject* watched, QEvent* event) override;
 
 private:
-    void addMenu();
+    void addMenu(Menus& menus);
     void linkPoints();
     void draw(const glm::dvec3& from, const glm::dvec3& to);
     void change(const std::optional<Section>& section);
@@ -86,7 +88,9 @@ private:
     /// Of a section of this length that is opened in a file with this unit of length.
     double firstWidth(double length, const QString& unit) const;
 
-    MainWindow& m_window;
+    MainView m_main;
+    SelectTools& m_select;
+    MeasureTools& m_measure;
     QSplitter& m_splitter;
     WindowSettings& m_settings;
     std::unique_ptr<ViewRenderer> m_renderer;

@@ -4,13 +4,12 @@
 #include "core/measure/Spacing.h"
 #include "ui/basic/Text.h"
 #include "ui/document/Workspace.h"
+#include "ui/menu/Menus.h"
 #include "ui/select/EditDock.h"
 #include "ui/select/Selection.h"
 #include "ui/style/Icons.h"
 #include "ui/style/NumberField.h"
 #include "ui/style/Widgets.h"
-#include "ui/window/MainMenu.h"
-#include "ui/window/MainWindow.h"
 
 #include <QActionGroup>
 #include <QComboBox>
@@ -18,6 +17,7 @@
 #include <QFileDialog>
 #include <QFileInfo>
 #include <QLabel>
+#include <QMainWindow>
 #include <QMenu>
 #include <QPointer>
 #include <QToolBar>
@@ -37,13 +37,14 @@ constexpr double kSlabShare = 0.05;     // of the extent, while the spacing is n
 
 }  // namespace
 
-SelectBar::SelectBar(MainWindow& window, Selection& selection, SelectTools& tools)
-    : QObject(&window),
-      m_window(window),
-      m_menu(window.menu()),
+SelectBar::SelectBar(Menus& menus, Workspace& workspace, Selection& selection, SelectTools& tools, EditDock& edit)
+    : QObject(&menus.window()),
+      m_menus(menus),
+      m_workspace(workspace),
       m_selection(selection),
       m_tools(tools),
-      m_select(&m_menu.insertMenu(tr("&Select"))),
+      m_edit(edit),
+      m_select(&menus.addMenu(tr("&Select"))),
       m_bar(new QToolBar(tr("Select"))),
       m_toolActions(new QActionGroup(this)),
       m_mode(new QComboBox),
@@ -54,8 +55,8 @@ SelectBar::SelectBar(MainWindow& window, Selection& selection, SelectTools& tool
     m_bar->setObjectName(QStringLiteral("select"));
     m_bar->setMovable(false);
     m_bar->setIconSize(QSize(20, 20));
-    m_window.addToolBarBreak();
-    m_window.addToolBar(m_bar);
+    menus.window().addToolBarBreak();
+    menus.window().addToolBar(m_bar);
 
     using Tool = SelectTools::Tool;
     addTool(Tool::Rectangle, tr("&Rectangle"), QStringLiteral("select-rectangle"), Qt::Key_R,
@@ -89,7 +90,7 @@ void SelectBar::addTool(SelectTools::Tool tool, const QString& text, const QStri
                         const QString& tip)
 {
     m_bar->addAction(
-        m_menu.addTool(m_select, m_toolActions, int(tool), text, icon, {key}, tip, [this, tool](bool on) {
+        m_menus.addTool(m_select, m_toolActions, int(tool), text, icon, {key}, tip, [this, tool](bool on) {
             if (on)
                 m_tools.setTool(tool);
             else if (m_tools.tool() == tool)
@@ -102,8 +103,8 @@ void SelectBar::addActions()
     m_select->addSeparator();
     const auto add = [this](const QString& text, const QKeySequence& keys, const QString& tip,
                             std::function<void()> act) {
-        m_menu.needsDocument(m_menu.add(m_select, text, {}, keys.isEmpty() ? QList<QKeySequence>() : QList{keys},
-                                        tip, std::move(act)));
+        m_menus.needsDocument(m_menus.add(m_select, text, {}, keys.isEmpty() ? QList<QKeySequence>() : QList{keys},
+                                          tip, std::move(act)));
     };
     add(tr("Select &All"), QKeySequence(QKeySequence::SelectAll),
         tr("Select all points that are shown and not locked"), [this] { m_selection.selectAll(); });
@@ -113,37 +114,37 @@ void SelectBar::addActions()
     m_select->addSeparator();
     add(tr("&Delete"), QKeySequence(Qt::Key_Delete),
         tr("Delete the selected points; the file lacks them once it is saved"),
-        [this] { m_window.editDock().deleteSelected(); });
+        [this] { m_edit.deleteSelected(); });
     add(tr("&Restore All Deleted"), QKeySequence(Qt::SHIFT | Qt::Key_Delete),
         tr("Take back all points of this file that were deleted since it was opened"),
-        [this] { m_window.editDock().restoreDeleted(); });
+        [this] { m_edit.restoreDeleted(); });
     add(tr("Set &Withheld"), {}, tr("Set the flag that the standard has for deleted points; the file keeps them"),
-        [this] { m_window.editDock().setWithheld(true); });
+        [this] { m_edit.setWithheld(true); });
     add(tr("Clear Wit&hheld"), {}, tr("Clear that flag of the selected points"),
-        [this] { m_window.editDock().setWithheld(false); });
+        [this] { m_edit.setWithheld(false); });
     add(tr("&Save Selected Points As..."), {}, tr("Write the selected points alone to another file"),
         [this] { saveSelected(); });
     QMenu* classes = m_select->addMenu(tr("Set &Class"));
     for (unsigned code = 0; code < 10; ++code) {
-        QAction* action = m_menu.add(
+        QAction* action = m_menus.add(
             classes, tr("Set class %1").arg(classText(code)), {}, {QKeySequence(Qt::Key(Qt::Key_0 + int(code)))},
-            tr("Give the selected points this class"), [this, code] { m_window.editDock().setClass(code); });
-        m_menu.needsDocument(action);
+            tr("Give the selected points this class"), [this, code] { m_edit.setClass(code); });
+        m_menus.needsDocument(action);
     }
 }
 
 void SelectBar::saveSelected()
 {
-    Document* const document = m_window.workspace().active();
+    Document* const document = m_workspace.active();
     const auto points = m_selection.points(document);
-    if (!points) return m_window.workspace().say(MessageKind::Info, tr("Select the points first."));
+    if (!points) return m_workspace.say(MessageKind::Info, tr("Select the points first."));
     const QFileInfo file(document->path());
     const QPointer<Document> target(document);
     const QString path = QFileDialog::getSaveFileName(
-        &m_window, tr("Save selected points as"),
+        &m_menus.window(), tr("Save selected points as"),
         file.path() + QLatin1Char('/') + file.completeBaseName() + tr("-part.") + file.suffix(),
         tr("LAS/LAZ point clouds (*.las *.laz)"));
-    if (!path.isEmpty() && target) m_window.workspace().extract(*target, points, path);
+    if (!path.isEmpty() && target) m_workspace.extract(*target, points, path);
 }
 
 void SelectBar::addChoices()
@@ -185,7 +186,7 @@ void SelectBar::addChoices()
         m_slabIsOwn = true;
         m_selection.setSlabThickness(thickness);
     });
-    const Workspace& workspace = m_window.workspace();
+    const Workspace& workspace = m_workspace;
     connect(&workspace, &Workspace::activeChanged, this, [this] {
         m_slabIsOwn = false;  // what was typed was about another file
         m_slabPreset = 0.0;
@@ -202,7 +203,7 @@ void SelectBar::addChoices()
 
 void SelectBar::presetSlab()
 {
-    const Document* const document = m_window.workspace().active();
+    const Document* const document = m_workspace.active();
     if (!document) return;
     const QString unit = document->lengthUnit();
     m_slab->setSuffix(QLatin1Char(' ') + (unit.isEmpty() ? tr("units") : unit));
@@ -231,7 +232,7 @@ void SelectBar::takeCount()
 {
     const PointIndex count = m_selection.count(), hidden = m_selection.hiddenCount();
     if (count == 0)
-        m_count->setText(m_window.workspace().active() ? tr("Nothing selected") : QString());
+        m_count->setText(m_workspace.active() ? tr("Nothing selected") : QString());
     else if (hidden == 0)
         m_count->setText(tr("%1 selected").arg(pointsText(count)));
     else

@@ -16,17 +16,18 @@ class QToolBar;
 namespace punctum::ui
 {
 
-class MainMenu;
-class MainWindow;
+class EditDock;
+class Menus;
 class Selection;
+class Workspace;
 
 /// The menu Select, and the bar with its tools, how they put shapes together, how deep they reach, and the count.
-/// GUI thread only; a child of the window. Borrows tools and selection.
+/// GUI thread only; a child of the window. Borrows what it is made with.
 class SelectBar final : public QObject
 {
     Q_OBJECT
 public:
-    SelectBar(MainWindow& window, Selection& selection, SelectTools& tools);
+    SelectBar(Menus& menus, Workspace& workspace, Selection& selection, SelectTools& tools, EditDock& edit);
 
     QToolBar& bar() noexcept { return *m_bar; }
     /// "1,204 points selected, 301 of them hidden".
@@ -43,10 +44,11 @@ private:
     void takeSettings();
     void takeCount();
 
-    MainWindow& m_window;
-    MainMenu& m_menu;
+    Menus& m_menus;
+    Workspace& m_workspace;
     Selection& m_selection;
     SelectTools& m_tools;
+    EditDock& m_edit;
     QMenu* m_select;
     QToolBar* m_bar;
     QActionGroup* m_toolActions;

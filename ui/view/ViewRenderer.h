@@ -2,6 +2,7 @@
 #pragma once
 
 #include "render/progressive/ProgressiveRenderer.h"
+#include "ui/view/PickedPoint.h"
 #include "ui/view/SharedContext.h"
 
 #include <QObject>
@@ -36,16 +37,6 @@ struct Frame {
     std::pair<double, double> range;  ///< of scalar colors
     QString attribute;                ///< that it is colored by
     std::uint64_t number = 0;         ///< 1, 2, 3, ...
-};
-
-/// A point under the cursor.
-struct PickedPoint {
-    std::shared_ptr<const PointCloud> cloud;
-    PointIndex index = 0;
-    glm::dvec3 world{0.0};
-    std::optional<unsigned> classCode;
-    QString attribute;  ///< the one on screen, and the point's value of it
-    QString value;
 };
 
 /// What selecting needs to know of a finished picture, for one cloud.

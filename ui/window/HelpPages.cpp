@@ -131,10 +131,10 @@ void showAboutPage(QWidget* parent, const QString& backend, bool openGlView)
     finish(*dialog);
 }
 
-void showShortcutsPage(QWidget* parent, const std::vector<MainMenu::Shortcut>& shortcuts)
+void showShortcutsPage(QWidget* parent, const std::vector<Menus::Shortcut>& shortcuts)
 {
     std::vector<KeyGroup> groups = handGroups();
-    for (const MainMenu::Shortcut& shortcut : shortcuts) {
+    for (const Menus::Shortcut& shortcut : shortcuts) {
         const QString title = shortcut.group.isEmpty() ? QObject::tr("Other keys") : shortcut.group;
         auto group =
             std::find_if(groups.begin(), groups.end(), [&](const KeyGroup& g) { return g.title == title; });

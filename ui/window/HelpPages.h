@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "ui/window/MainMenu.h"
+#include "ui/menu/Menus.h"
 
 #include <vector>
 
@@ -13,6 +13,6 @@ namespace punctum::ui
 /// Small windows of the help menu; they do not block the main window. GUI thread.
 
 void showAboutPage(QWidget* parent, const QString& backend, bool openGlView);
-void showShortcutsPage(QWidget* parent, const std::vector<MainMenu::Shortcut>& shortcuts);
+void showShortcutsPage(QWidget* parent, const std::vector<Menus::Shortcut>& shortcuts);
 
 }  // namespace punctum::ui

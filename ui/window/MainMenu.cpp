@@ -3,32 +3,18 @@
 
 #include "core/process/Step.h"
 #include "ui/basic/Text.h"
-#include "ui/docks/AttributesDock.h"
-#include "ui/docks/AttributesModel.h"
-#include "ui/docks/ClassesDock.h"
-#include "ui/docks/HistoryDock.h"
-#include "ui/docks/JobsDock.h"
-#include "ui/docks/ProcessingDock.h"
-#include "ui/docks/PropertiesDock.h"
-#include "ui/docks/VisibilityDock.h"
 #include "ui/document/Document.h"
-#include "ui/measure/MeasureDock.h"
-#include "ui/screenshot/Screenshots.h"
-#include "ui/select/EditDock.h"
+#include "ui/menu/Menus.h"
 #include "ui/select/UndoOrder.h"
-#include "ui/style/Icons.h"
 #include "ui/view/ViewSettings.h"
 #include "ui/view/Viewport.h"
-#include "ui/window/MainWindow.h"
-#include "ui/window/Opener.h"
-#include "ui/window/Panels.h"
-#include "ui/window/RecoveryList.h"
 
 #include <QActionGroup>
 #include <QColorDialog>
+#include <QDockWidget>
 #include <QFileInfo>
+#include <QMainWindow>
 #include <QMenu>
-#include <QMenuBar>
 #include <QToolBar>
 
 namespace punctum::ui
@@ -39,130 +25,81 @@ namespace
 
 /// Stands for no kind among the values of BackendKind.
 constexpr int kFastestBackend = -1;
-/// Property of an action: the title of its menu.
-constexpr char kGroup[] = "group";
-
-QString withoutMarks(QString text)
-{
-    return text.remove(QLatin1Char('&')).remove(QStringLiteral("..."));
-}
 
 }  // namespace
 
-MainMenu::MainMenu(MainWindow& window) : QObject(&window), m_window(window)
+MainMenu::MainMenu(Menus& menus, UndoOrder& undoOrder, Viewport& viewport, ViewSettings& settings,
+                   const QList<QDockWidget*>& panels)
+    : QObject(&menus.window()), m_menus(menus), m_undoOrder(undoOrder), m_viewport(viewport), m_settings(settings)
 {
     makeFile();
     makeEdit();
-    makeView();
-    makeProcess();
+    makeView(panels);
+    QMenu& process = makeProcess();
     makeHelp();
+    m_menus.addMenusBefore(process);
     makeToolBar();
     update(nullptr);
     setRecentFiles({});
 }
 
-QAction* MainMenu::add(QMenu* menu, const QString& text, const QString& icon, const QList<QKeySequence>& keys,
-                       const QString& tip, std::function<void()> act)
-{
-    auto* action = new QAction(text, &m_window);
-    if (!icon.isEmpty()) action->setIcon(lineIcon(icon));
-    action->setShortcuts(keys);
-    QString hint = tip.isEmpty() ? withoutMarks(text) : tip;
-    if (!keys.isEmpty()) hint += QStringLiteral(" (%1)").arg(keys.front().toString(QKeySequence::NativeText));
-    action->setToolTip(hint);
-    action->setIconVisibleInMenu(false);  // icons in the tool bar, words in the menus
-    connect(action, &QAction::triggered, this, [act = std::move(act)] { act(); });
-    if (menu) {
-        menu->addAction(action);
-        action->setProperty(kGroup, menu->title());
-    }
-    m_window.addAction(action);
-    m_all.push_back(action);
-    return action;
-}
-
-void MainMenu::needsDocument(QAction* action)
-{
-    m_needDocument.push_back(action);
-    action->setEnabled(false);
-}
-
-QAction* MainMenu::addTool(QMenu* menu, QActionGroup* group, int id, const QString& text, const QString& icon,
-                           const QList<QKeySequence>& keys, const QString& tip,
-                           std::function<void(bool on)> toggled)
-{
-    QAction* const action = add(menu, text, icon, keys, tip, [] {});
-    action->setCheckable(true);
-    action->setData(id);
-    group->addAction(action);
-    group->setExclusionPolicy(QActionGroup::ExclusionPolicy::ExclusiveOptional);
-    needsDocument(action);
-    connect(action, &QAction::toggled, this, [this, toggled = std::move(toggled)](bool on) {
-        toggled(on);
-        m_window.focusView();
-    });
-    return action;
-}
-
-QMenu& MainMenu::insertMenu(const QString& title)
-{
-    auto* menu = new QMenu(title, &m_window);
-    m_window.menuBar()->insertMenu(m_processMenu->menuAction(), menu);
-    return *menu;
-}
-
 void MainMenu::makeFile()
 {
-    QMenu* menu = m_window.menuBar()->addMenu(tr("&File"));
-    open = add(menu, tr("&Open..."), QStringLiteral("open"), {QKeySequence::Open}, tr("Open LAS or LAZ files"),
-               [this] { m_window.opener().chooseFiles(); });
-    add(menu, tr("Open &Folder..."), {}, {QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_O)},
-        tr("Open all LAS and LAZ files of a folder and of those in it"),
-        [this] { m_window.opener().chooseFolder(); });
+    QMenu* menu = &m_menus.addMenu(tr("&File"));
+    open = m_menus.add(menu, tr("&Open..."), QStringLiteral("open"), {QKeySequence::Open},
+                       tr("Open LAS or LAZ files"), [this] { emit openWanted(); });
+    m_menus.add(menu, tr("Open &Folder..."), {}, {QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_O)},
+                tr("Open all LAS and LAZ files of a folder and of those in it"),
+                [this] { emit openFolderWanted(); });
     m_recent = menu->addMenu(tr("Open &Recent"));
     menu->addSeparator();
-    save = add(menu, tr("&Save"), QStringLiteral("save"), {QKeySequence::Save}, tr("Save the active file"),
-               [this] { m_window.save(); });
-    saveAs = add(menu, tr("Save &As..."), {}, {QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_S)},
-                 tr("Save the active file under another name, as LAS or LAZ"), [this] { m_window.saveAs(); });
-    QAction* recover = add(menu, tr("Reco&ver Edits..."), {}, {},
-                           tr("List the edits that were not saved before the program ended"),
-                           [this] { (new RecoveryList(m_window.workspace(), &m_window))->show(); });
+    save = m_menus.add(menu, tr("&Save"), QStringLiteral("save"), {QKeySequence::Save}, tr("Save the active file"),
+                       [this] { emit saveWanted(); });
+    saveAs =
+        m_menus.add(menu, tr("Save &As..."), {}, {QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_S)},
+                    tr("Save the active file under another name, as LAS or LAZ"), [this] { emit saveAsWanted(); });
+    QAction* recover = m_menus.add(menu, tr("Reco&ver Edits..."), {}, {},
+                                   tr("List the edits that were not saved before the program ended"),
+                                   [this] { emit recoverWanted(); });
     recover->setObjectName(QStringLiteral("recoverEdits"));
     menu->addSeparator();
-    screenshot = add(menu, tr("&Export Screenshot..."), QStringLiteral("screenshot"), {QKeySequence(Qt::Key_F12)},
-                     tr("Save a picture of the view or of the section, of any size, with legend and scale bar"),
-                     [this] { m_window.screenshots().choose(); });
+    screenshot =
+        m_menus.add(menu, tr("&Export Screenshot..."), QStringLiteral("screenshot"), {QKeySequence(Qt::Key_F12)},
+                    tr("Save a picture of the view or of the section, of any size, with legend and scale bar"),
+                    [this] { emit screenshotWanted(); });
     menu->addSeparator();
-    close = add(menu, tr("&Close"), {}, {QKeySequence(Qt::CTRL | Qt::Key_W)}, tr("Close the active file"),
-                [this] { m_window.closeActive(); });
-    add(menu, tr("&Quit"), {}, {QKeySequence(Qt::CTRL | Qt::Key_Q)}, {}, [this] { m_window.close(); });
-    m_needDocument = {saveAs, screenshot, close};
+    close = m_menus.add(menu, tr("&Close"), {}, {QKeySequence(Qt::CTRL | Qt::Key_W)}, tr("Close the active file"),
+                        [this] { emit closeWanted(); });
+    m_menus.add(menu, tr("&Quit"), {}, {QKeySequence(Qt::CTRL | Qt::Key_Q)}, {}, [this] { emit quitWanted(); });
+    for (QAction* action : {saveAs, screenshot, close}) m_menus.needsDocument(action);
 }
 
 void MainMenu::makeEdit()
 {
-    QMenu* menu = m_window.menuBar()->addMenu(tr("&Edit"));
-    undo = add(menu, tr("&Undo"), QStringLiteral("undo"), {QKeySequence(Qt::CTRL | Qt::Key_Z)}, {},
-               [this] { m_window.undoOrder().undo(); });
-    redo = add(menu, tr("&Redo"), QStringLiteral("redo"),
-               {QKeySequence(Qt::CTRL | Qt::Key_Y), QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_Z)}, {},
-               [this] { m_window.undoOrder().redo(); });
-    connect(&m_window.undoOrder(), &UndoOrder::changed, this, &MainMenu::takeUndo);
+    QMenu* menu = &m_menus.addMenu(tr("&Edit"));
+    undo = m_menus.add(menu, tr("&Undo"), QStringLiteral("undo"), {QKeySequence(Qt::CTRL | Qt::Key_Z)}, {},
+                       [this] { m_undoOrder.undo(); });
+    redo = m_menus.add(menu, tr("&Redo"), QStringLiteral("redo"),
+                       {QKeySequence(Qt::CTRL | Qt::Key_Y), QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_Z)}, {},
+                       [this] { m_undoOrder.redo(); });
+    Menus::setLastingName(*undo, tr("Undo"));
+    Menus::setLastingName(*redo, tr("Redo"));
+    connect(&m_undoOrder, &UndoOrder::changed, this, &MainMenu::takeUndo);
 }
 
-void MainMenu::makeView()
+void MainMenu::makeView(const QList<QDockWidget*>& panels)
 {
-    QMenu* menu = m_viewMenu = m_window.menuBar()->addMenu(tr("&View"));
-    Viewport& viewport = m_window.viewport();
-    ViewSettings& settings = m_window.viewSettings();
+    QMenu* menu = &m_menus.addMenu(tr("&View"));
+    m_menus.setViewMenu(*menu);
+    Viewport& viewport = m_viewport;
+    ViewSettings& settings = m_settings;
 
-    fit = add(menu, tr("&Fit All"), QStringLiteral("fit"), {QKeySequence(Qt::Key_F)},
-              tr("Show all points that are shown, without strays far away; once more, with them"),
-              [this] { m_window.fitAll(); });
-    QAction* fitActive = add(menu, tr("Fit Acti&ve File"), {}, {QKeySequence(Qt::SHIFT | Qt::Key_F)},
-                             tr("The same of the active file"), [this] { m_window.fitActive(); });
-    m_needDocument.push_back(fitActive);
+    fit = m_menus.add(menu, tr("&Fit All"), QStringLiteral("fit"), {QKeySequence(Qt::Key_F)},
+                      tr("Show all points that are shown, without strays far away; once more, with them"),
+                      [this] { emit fitAllWanted(); });
+    QAction* fitActive = m_menus.add(menu, tr("Fit Acti&ve File"), {}, {QKeySequence(Qt::SHIFT | Qt::Key_F)},
+                                     tr("The same of the active file"), [this] { emit fitActiveWanted(); });
+    m_menus.needsDocument(fitActive);
     QMenu* standard = menu->addMenu(tr("&Standard Views"));
     m_views = new QActionGroup(this);
     const struct {
@@ -179,28 +116,29 @@ void MainMenu::makeView()
                  {"bottom", tr("B&ottom"), {}, Qt::Key_7}};
     for (const auto& each : views) {
         const QString name = QLatin1String(each.view);
-        QAction* action = add(standard, each.text, each.icon, {QKeySequence(Qt::CTRL | each.key)},
-                              tr("View from: %1").arg(QString(each.text).remove(QLatin1Char('&')).toLower()),
-                              [&viewport, name] { viewport.setStandardView(name); });
+        QAction* action =
+            m_menus.add(standard, each.text, each.icon, {QKeySequence(Qt::CTRL | each.key)},
+                        tr("View from: %1").arg(QString(each.text).remove(QLatin1Char('&')).toLower()),
+                        [&viewport, name] { viewport.setStandardView(name); });
         m_views->addAction(action);
-        m_needDocument.push_back(action);
+        m_menus.needsDocument(action);
     }
     m_views->setExclusive(false);
-    m_needDocument.push_back(fit);
-    m_placesEnd = menu->addSeparator();
+    m_menus.needsDocument(fit);
+    m_menus.setPlacesEnd(menu->addSeparator());
 
     m_colorBy = menu->addMenu(tr("&Color by"));
-    QAction* next = add(menu, tr("&Next Attribute"), {}, {QKeySequence(Qt::SHIFT | Qt::Key_Down)}, {},
-                        [this] { m_window.stepAttribute(1); });
-    QAction* previous = add(menu, tr("&Previous Attribute"), {}, {QKeySequence(Qt::SHIFT | Qt::Key_Up)}, {},
-                            [this] { m_window.stepAttribute(-1); });
-    m_needDocument.insert(m_needDocument.end(), {next, previous});
+    QAction* next = m_menus.add(menu, tr("&Next Attribute"), {}, {QKeySequence(Qt::SHIFT | Qt::Key_Down)}, {},
+                                [this] { emit attributeStepped(1); });
+    QAction* previous = m_menus.add(menu, tr("&Previous Attribute"), {}, {QKeySequence(Qt::SHIFT | Qt::Key_Up)}, {},
+                                    [this] { emit attributeStepped(-1); });
+    for (QAction* action : {next, previous}) m_menus.needsDocument(action);
     menu->addSeparator();
 
-    add(menu, tr("&Larger Points"), {}, {QKeySequence(Qt::Key_Plus), QKeySequence(Qt::Key_Equal)}, {},
-        [&settings] { settings.enlargePoints(true); });
-    add(menu, tr("S&maller Points"), {}, {QKeySequence(Qt::Key_Minus)}, {},
-        [&settings] { settings.enlargePoints(false); });
+    m_menus.add(menu, tr("&Larger Points"), {}, {QKeySequence(Qt::Key_Plus), QKeySequence(Qt::Key_Equal)}, {},
+                [&settings] { settings.enlargePoints(true); });
+    m_menus.add(menu, tr("S&maller Points"), {}, {QKeySequence(Qt::Key_Minus)}, {},
+                [&settings] { settings.enlargePoints(false); });
     const auto choice = [this](QMenu* into, QActionGroup* group, const QString& text, const QVariant& value) {
         QAction* action = into->addAction(text);
         action->setCheckable(true);
@@ -216,7 +154,7 @@ void MainMenu::makeView()
             [&settings](const QAction* a) { settings.setSizing(render::PointSizing(a->data().toInt())); });
     const auto flag = [this, menu](const QString& text, const QList<QKeySequence>& keys, const QString& tip,
                                    std::function<void(bool)> act) {
-        QAction* action = add(menu, text, {}, keys, tip, [] {});
+        QAction* action = m_menus.add(menu, text, {}, keys, tip, [] {});
         action->setCheckable(true);
         connect(action, &QAction::triggered, this, std::move(act));
         return action;
@@ -250,7 +188,7 @@ void MainMenu::makeView()
     connect(m_backgrounds, &QActionGroup::triggered, this, [this, &settings](const QAction* a) {
         const auto chosen = ViewSettings::Background(a->data().toInt());
         settings.setBackground(chosen);
-        if (chosen == ViewSettings::Background::Own) chooseBackground(settings);
+        if (chosen == ViewSettings::Background::Own) chooseBackground();
     });
     QMenu* drawing = menu->addMenu(tr("&Draw with"));
     m_backends = new QActionGroup(this);
@@ -270,15 +208,11 @@ void MainMenu::makeView()
             [this](const QAction* a) { emit orderChosen(render::OrderKind(a->data().toInt())); });
     menu->addSeparator();
 
-    QMenu* panels = menu->addMenu(tr("Pa&nels"));
-    add(panels, tr("&Hide or Show All Panels"), {}, {QKeySequence(Qt::Key_F9)},
-        tr("Give the view all of the window"), [this] { m_window.panels().toggle(); });
-    panels->addSeparator();
-    for (QDockWidget* dock : std::initializer_list<QDockWidget*>{
-             &m_window.attributesDock(), &m_window.classesDock(), &m_window.processingDock(), &m_window.editDock(),
-             &m_window.propertiesDock(), &m_window.visibilityDock(), &m_window.measureDock(),
-             &m_window.historyDock(), &m_window.jobsDock()})
-        panels->addAction(dock->toggleViewAction());
+    QMenu* panelMenu = menu->addMenu(tr("Pa&nels"));
+    m_menus.add(panelMenu, tr("&Hide or Show All Panels"), {}, {QKeySequence(Qt::Key_F9)},
+                tr("Give the view all of the window"), [this] { emit panelsToggled(); });
+    panelMenu->addSeparator();
+    for (QDockWidget* dock : panels) panelMenu->addAction(dock->toggleViewAction());
     QMenu* appearance = menu->addMenu(tr("App&earance"));
     m_appearances = new QActionGroup(this);
     choice(appearance, m_appearances, tr("As the &System"), int(Appearance::System));
@@ -286,19 +220,21 @@ void MainMenu::makeView()
     choice(appearance, m_appearances, tr("&Light"), int(Appearance::Light));
     connect(m_appearances, &QActionGroup::triggered, this,
             [this](const QAction* a) { emit appearanceChosen(Appearance(a->data().toInt())); });
-    fullScreen = add(menu, tr("F&ull Screen"), {}, {QKeySequence(Qt::Key_F11)}, {}, [this] {
-        m_window.setWindowState(m_window.windowState() ^ Qt::WindowFullScreen);
-        fullScreen->setChecked(m_window.isFullScreen());
+    fullScreen = m_menus.add(menu, tr("F&ull Screen"), {}, {QKeySequence(Qt::Key_F11)}, {}, [this] {
+        QWidget& window = m_menus.window();
+        window.setWindowState(window.windowState() ^ Qt::WindowFullScreen);
+        fullScreen->setChecked(window.isFullScreen());
     });
     fullScreen->setCheckable(true);
     takeViewSettings(settings);
     connect(&settings, &ViewSettings::changed, this, [this, &settings] { takeViewSettings(settings); });
 }
 
-void MainMenu::chooseBackground(ViewSettings& settings)
+void MainMenu::chooseBackground()
 {
+    ViewSettings& settings = m_settings;
     const render::Rgba8 now = settings.ownBackground();
-    auto* dialog = new QColorDialog(QColor(now.r, now.g, now.b), &m_window);
+    auto* dialog = new QColorDialog(QColor(now.r, now.g, now.b), &m_menus.window());
     dialog->setAttribute(Qt::WA_DeleteOnClose);
     dialog->setWindowTitle(tr("Background"));
     const auto take = [&settings](const QColor& c) {
@@ -311,52 +247,45 @@ void MainMenu::chooseBackground(ViewSettings& settings)
     dialog->open();
 }
 
-void MainMenu::makeProcess()
+QMenu& MainMenu::makeProcess()
 {
-    QMenu* menu = m_processMenu = m_window.menuBar()->addMenu(tr("&Process"));
+    QMenu* menu = &m_menus.addMenu(tr("&Process"));
     for (const Step* step : allSteps()) {
         const QString name = toQString(step->name());
-        QAction* action = add(menu, toQString(step->title()) + QStringLiteral("..."), {}, {},
-                              toQString(step->help()), [this, name] {
-                                  ProcessingDock& dock = m_window.processingDock();
-                                  dock.chooseStep(name);
-                                  dock.show();
-                                  dock.raise();
-                              });
-        m_needDocument.push_back(action);
+        QAction* action = m_menus.add(menu, toQString(step->title()) + QStringLiteral("..."), {}, {},
+                                      toQString(step->help()), [this, name] { emit stepChosen(name); });
+        m_menus.needsDocument(action);
     }
     menu->setToolTipsVisible(true);
+    return *menu;
 }
 
 void MainMenu::makeHelp()
 {
-    QMenu* menu = m_window.menuBar()->addMenu(tr("&Help"));
-    add(menu, tr("&Mouse and Keyboard"), {}, {QKeySequence(Qt::Key_F1)}, {}, [this] { m_window.showShortcuts(); });
-    add(menu, tr("&About Punctum"), {}, {}, {}, [this] { m_window.showAbout(); });
+    QMenu* menu = &m_menus.addMenu(tr("&Help"));
+    m_menus.add(menu, tr("&Mouse and Keyboard"), {}, {QKeySequence(Qt::Key_F1)}, {},
+                [this] { emit shortcutsWanted(); });
+    m_menus.add(menu, tr("&About Punctum"), {}, {}, {}, [this] { emit aboutWanted(); });
 }
 
 void MainMenu::makeToolBar()
 {
-    m_toolBar = m_window.addToolBar(tr("Tools"));
-    m_toolBar->setObjectName(QStringLiteral("tools"));
-    m_toolBar->setMovable(false);
-    m_toolBar->setIconSize(QSize(20, 20));
-    m_toolBar->setContextMenuPolicy(Qt::PreventContextMenu);
-    m_toolBar->addActions({open, save});
-    m_toolBar->addSeparator();
-    m_toolBar->addActions({undo, redo});
-    m_toolBar->addSeparator();
-    m_toolBar->addAction(fit);
+    QToolBar& bar = m_menus.toolBar();
+    bar.addActions({open, save});
+    bar.addSeparator();
+    bar.addActions({undo, redo});
+    bar.addSeparator();
+    bar.addAction(fit);
     for (QAction* view : m_views->actions())
-        if (!view->icon().isNull()) m_toolBar->addAction(view);
-    m_toolBar->addSeparator();
-    m_toolBar->addAction(screenshot);
+        if (!view->icon().isNull()) bar.addAction(view);
+    bar.addSeparator();
+    bar.addAction(screenshot);
 }
 
 void MainMenu::update(const Document* document)
 {
     const bool ready = document && !document->loading();
-    for (QAction* action : m_needDocument) action->setEnabled(document != nullptr);
+    m_menus.setDocumentOpen(document != nullptr);
     saveAs->setEnabled(ready);
     save->setEnabled(ready && !document->recovered());
     save->setToolTip(document && document->recovered()
@@ -378,8 +307,8 @@ void MainMenu::takeUndo()
         action->setToolTip(QStringLiteral("%1 (%2)").arg(label(QString(verb).remove(QLatin1Char('&')), next.name),
                                                          action->shortcut().toString(QKeySequence::NativeText)));
     };
-    put(undo, tr("&Undo"), m_window.undoOrder().nextUndo());
-    put(redo, tr("&Redo"), m_window.undoOrder().nextRedo());
+    put(undo, tr("&Undo"), m_undoOrder.nextUndo());
+    put(redo, tr("&Redo"), m_undoOrder.nextRedo());
 }
 
 void MainMenu::setRecentFiles(const QStringList& paths)
@@ -414,7 +343,7 @@ void MainMenu::setAttributes(const Document* document, const QString& shown)
         QAction* action = m_colorBy->addAction(menuText(name));
         action->setCheckable(true);
         action->setChecked(name == shown);
-        connect(action, &QAction::triggered, this, [this, name] { m_window.showAttribute(name); });
+        connect(action, &QAction::triggered, this, [this, name] { emit attributeChosen(name); });
     }
 }
 
@@ -450,22 +379,6 @@ void MainMenu::takeViewSettings(const ViewSettings& settings)
     m_averaged->setChecked(settings.display().averaged);
     m_litNormals->setChecked(settings.display().normals == render::NormalLook::Lit);
     checkBy(*m_backgrounds, int(settings.background()));
-}
-
-std::vector<MainMenu::Shortcut> MainMenu::shortcuts() const
-{
-    std::vector<Shortcut> list;
-    for (const QAction* action : m_all) {
-        if (action->shortcuts().isEmpty()) continue;
-        QStringList keys;
-        for (const QKeySequence& key : action->shortcuts()) keys << key.toString(QKeySequence::NativeText);
-        QString what = action->text();
-        if (action == undo) what = tr("Undo");
-        if (action == redo) what = tr("Redo");
-        list.push_back(
-            {withoutMarks(action->property(kGroup).toString()), keys.join(tr(" or ")), withoutMarks(what)});
-    }
-    return list;
 }
 
 }  // namespace punctum::ui

@@ -5,30 +5,35 @@
 #include "ui/style/Theme.h"
 
 #include <QAction>
+#include <QList>
 #include <QObject>
 #include <QStringList>
 
-#include <functional>
-#include <vector>
+#include <optional>
 
 class QActionGroup;
+class QDockWidget;
 class QMenu;
-class QToolBar;
 
 namespace punctum::ui
 {
 
 class Document;
-class MainWindow;
+class Menus;
+class UndoOrder;
 class ViewSettings;
+class Viewport;
 
-/// Menus, tool bar and shortcuts of the window: every action in one place. What they do is the window's.
-/// GUI thread only; a child of the window.
+/// The window's own menus and the tool bar: files, undo, the view, panels, steps, help. Parts of the window add
+/// theirs to the same Menus. It says what is wanted; who does it is the window's matter. GUI thread only; a child
+/// of the window.
 class MainMenu final : public QObject
 {
     Q_OBJECT
 public:
-    explicit MainMenu(MainWindow& window);
+    /// `panels`: listed in the menu View, in this order.
+    MainMenu(Menus& menus, UndoOrder& undoOrder, Viewport& viewport, ViewSettings& settings,
+             const QList<QDockWidget*>& panels);
 
     /// Makes actions fit the state of the active document (null: none).
     void update(const Document* document);
@@ -40,24 +45,6 @@ public:
     void setAppearance(Appearance appearance);
     /// Reads the settings that other parts may have changed.
     void takeViewSettings(const ViewSettings& settings);
-    /// "Ctrl+O  Open", one line an action that has a shortcut, by menus; for the help page.
-    struct Shortcut {
-        QString group, keys, what;
-    };
-    std::vector<Shortcut> shortcuts() const;
-    /// For parts that bring actions of their own: listed with the shortcuts, and off while nothing is open.
-    QAction* add(QMenu* menu, const QString& text, const QString& icon, const QList<QKeySequence>& keys,
-                 const QString& tip, std::function<void()> act);
-    void needsDocument(QAction* action);
-    /// A tool of the view that is on or off; at most one of its group is on. Marks it with `id`.
-    QAction* addTool(QMenu* menu, QActionGroup* group, int id, const QString& text, const QString& icon,
-                     const QList<QKeySequence>& keys, const QString& tip, std::function<void(bool on)> toggled);
-    /// A menu before Process.
-    QMenu& insertMenu(const QString& title);
-    QToolBar& toolBar() noexcept { return *m_toolBar; }
-    QMenu& viewMenu() noexcept { return *m_viewMenu; }
-    /// In the View menu, what comes after the places that the view can go to.
-    QAction* placesEnd() const noexcept { return m_placesEnd; }
 
     QAction* open = nullptr;
     QAction* save = nullptr;
@@ -70,6 +57,24 @@ public:
     QAction* fullScreen = nullptr;
 
 signals:
+    void openWanted();
+    void openFolderWanted();
+    void saveWanted();
+    void saveAsWanted();
+    void recoverWanted();
+    void screenshotWanted();
+    void closeWanted();
+    void quitWanted();
+    void fitAllWanted();
+    void fitActiveWanted();
+    /// The next (1) or previous (-1) attribute.
+    void attributeStepped(int direction);
+    void attributeChosen(const QString& name);
+    void panelsToggled();
+    /// A processing step, by its name.
+    void stepChosen(const QString& name);
+    void shortcutsWanted();
+    void aboutWanted();
     void backendChosen(std::optional<punctum::render::BackendKind> kind);
     void orderChosen(punctum::render::OrderKind order);
     void appearanceChosen(punctum::ui::Appearance appearance);
@@ -80,17 +85,16 @@ private:
     void takeUndo();
     void makeFile();
     void makeEdit();
-    void makeView();
-    void chooseBackground(ViewSettings& settings);
-    void makeProcess();
+    void makeView(const QList<QDockWidget*>& panels);
+    void chooseBackground();
+    QMenu& makeProcess();
     void makeHelp();
     void makeToolBar();
 
-    MainWindow& m_window;
-    QToolBar* m_toolBar = nullptr;
-    QMenu* m_processMenu = nullptr;
-    QMenu* m_viewMenu = nullptr;
-    QAction* m_placesEnd = nullptr;
+    Menus& m_menus;
+    UndoOrder& m_undoOrder;
+    Viewport& m_viewport;
+    ViewSettings& m_settings;
     QMenu* m_recent = nullptr;
     QMenu* m_colorBy = nullptr;
     QActionGroup* m_views = nullptr;
@@ -104,8 +108,6 @@ private:
     QAction* m_litNormals = nullptr;
     QActionGroup* m_sizings = nullptr;
     QActionGroup* m_appearances = nullptr;
-    std::vector<QAction*> m_needDocument;
-    std::vector<QAction*> m_all;
     QString m_colorKey;  ///< what the "color by" menu was made from
 };
 

@@ -17,6 +17,7 @@
 #include "ui/measure/MeasureDock.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
+#include "ui/menu/Menus.h"
 #include "ui/navigate/Places.h"
 #include "ui/screenshot/Screenshots.h"
 #include "ui/section/SectionTool.h"
@@ -44,6 +45,7 @@
 #include "ui/window/Opener.h"
 #include "ui/window/Panels.h"
 #include "ui/window/PlainKeys.h"
+#include "ui/window/RecoveryList.h"
 #include "ui/window/SaveDialogs.h"
 
 #include <QApplication>
@@ -102,13 +104,13 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     m_measurements = new Measurements(*m_workspace, this);
     m_measureTools = new MeasureTools(*m_viewport, *m_workspace, *m_measurements, this);
     addDocks();
-    m_menu = new MainMenu(*this);
-    m_selectBar = new SelectBar(*this, *m_selection, *m_selectTools);
-    addMeasureMenu(*this, *m_measureTools, *m_measurements, *m_measureDock);
-    m_sections = new Sections(*this, *views, *m_settings);
-    m_places = new Places(*this, *m_settings);
-    m_opener = new Opener(*this, *m_settings);
-    m_screenshots = new Screenshots(*this, *m_settings);
+    addMenus();
+    m_selectBar = new SelectBar(*m_menus, *m_workspace, *m_selection, *m_selectTools, *m_edit);
+    addMeasureMenu(*m_menus, *m_measureTools, *m_measurements, *m_measureDock);
+    m_sections = new Sections({*m_workspace, *m_renderer, *m_view, *m_filter, *m_viewScope, *m_shown, *m_viewport},
+                              *m_menus, *m_selectTools, *m_measureTools, *views, *m_settings);
+    m_places = new Places(*m_menus, *m_workspace, *m_viewport, *m_settings);
+    m_screenshots = new Screenshots(*this, *m_workspace, *m_viewport, *m_sections, *m_measurements, *m_settings);
 
     m_readOut = new QLabel;
     m_viewState = new QLabel;
@@ -156,6 +158,42 @@ void MainWindow::addDocks()
     m_panels->addLeft({m_attributes, m_classes});
     m_panels->addRight({m_processing, m_edit, m_properties, m_visibility, m_measureDock});
     m_panels->addRight({m_jobs, m_history});
+}
+
+void MainWindow::addMenus()
+{
+    m_menus = new Menus(*this);
+    m_menu = new MainMenu(*m_menus, *m_undoOrder, *m_viewport, *m_view,
+                          {m_attributes, m_classes, m_processing, m_edit, m_properties, m_visibility, m_measureDock,
+                           m_history, m_jobs});
+    m_opener = new Opener(*this, *m_workspace, *m_viewport, *m_settings);
+    connect(m_menus, &Menus::viewWanted, this, &MainWindow::focusView);
+    connect(m_menu, &MainMenu::openWanted, m_opener, &Opener::chooseFiles);
+    connect(m_menu, &MainMenu::openFolderWanted, m_opener, &Opener::chooseFolder);
+    connect(m_menu, &MainMenu::recentChosen, m_opener, [this](const QString& path) { m_opener->open({path}); });
+    connect(m_menu, &MainMenu::recentCleared, m_opener, &Opener::clearRecentFiles);
+    const auto showRecent = [this] { m_menu->setRecentFiles(m_opener->recentFiles()); };
+    connect(m_opener, &Opener::recentFilesChanged, m_menu, showRecent);
+    showRecent();
+    connect(m_menu, &MainMenu::saveWanted, this, &MainWindow::save);
+    connect(m_menu, &MainMenu::saveAsWanted, this, &MainWindow::saveAs);
+    connect(m_menu, &MainMenu::recoverWanted, this, [this] { (new RecoveryList(*m_workspace, this))->show(); });
+    connect(m_menu, &MainMenu::screenshotWanted, this, [this] { m_screenshots->choose(); });
+    connect(m_menu, &MainMenu::closeWanted, this, &MainWindow::closeActive);
+    connect(m_menu, &MainMenu::quitWanted, this, &MainWindow::close);
+    connect(m_menu, &MainMenu::fitAllWanted, m_framing, &Framing::fitAll);
+    connect(m_menu, &MainMenu::fitActiveWanted, m_framing, &Framing::fitActive);
+    connect(m_menu, &MainMenu::attributeStepped, this, &MainWindow::stepAttribute);
+    connect(m_menu, &MainMenu::attributeChosen, this, &MainWindow::showAttribute);
+    connect(m_menu, &MainMenu::panelsToggled, m_panels, &Panels::toggle);
+    connect(m_menu, &MainMenu::stepChosen, this, [this](const QString& name) {
+        m_processing->chooseStep(name);
+        m_processing->show();
+        m_processing->raise();
+    });
+    connect(m_menu, &MainMenu::shortcutsWanted, this, [this] { showShortcutsPage(this, m_menus->shortcuts()); });
+    connect(m_menu, &MainMenu::aboutWanted, this,
+            [this] { showAboutPage(this, m_backend->text(), m_viewport->usesOpenGl()); });
 }
 
 void MainWindow::connectParts()
@@ -266,16 +304,6 @@ void MainWindow::documentRemoved(Document* document)
 {
     m_renderer->removeCloud(document->cloud());
     m_titleTimer.start();
-}
-
-void MainWindow::fitAll()
-{
-    m_framing->fitAll();
-}
-
-void MainWindow::fitActive()
-{
-    m_framing->fitActive();
 }
 
 void MainWindow::updateTitle()
@@ -411,16 +439,6 @@ void MainWindow::setAppearance(Appearance appearance)
     m_settings->setAppearance(appearance);
     applyTheme(*qApp, appearance);
     m_menu->setAppearance(appearance);
-}
-
-void MainWindow::showAbout()
-{
-    showAboutPage(this, m_backend->text(), m_viewport->usesOpenGl());
-}
-
-void MainWindow::showShortcuts()
-{
-    showShortcutsPage(this, m_menu->shortcuts());
 }
 
 int runWindow(QApplication& application, const QStringList& files, const WindowOptions& options)

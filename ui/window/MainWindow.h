@@ -29,6 +29,7 @@ class MainMenu;
 class MeasureDock;
 class MeasureTools;
 class Measurements;
+class Menus;
 class Opener;
 class Panels;
 class Places;
@@ -71,7 +72,8 @@ struct WindowOptions {
     PointIndex pointsAFrame = 0;                  ///< drawn in each frame; 0: as many as there is time for
 };
 
-/// The window: the view in the middle, docks around it, menus. It wires these parts; it does no work itself.
+/// The window: the view in the middle, docks around it, menus. It makes these parts and wires them; it does no work
+/// itself, and no part knows it. What it hands out is for the program that shows it, and for tests.
 ///
 /// GUI thread only. Owns the workspace (documents, jobs) and the render thread; both end with it.
 class MainWindow final : public QMainWindow
@@ -102,12 +104,14 @@ public:
     VisibilityDock& visibilityDock() noexcept { return *m_visibility; }
     ViewFilter& viewFilter() noexcept { return *m_filter; }
     MainMenu& menu() noexcept { return *m_menu; }
+    Menus& menus() noexcept { return *m_menus; }
     Selection& selection() noexcept { return *m_selection; }
     SelectTools& selectTools() noexcept { return *m_selectTools; }
     SelectBar& selectBar() noexcept { return *m_selectBar; }
     UndoOrder& undoOrder() noexcept { return *m_undoOrder; }
     ShownCount& shownCount() noexcept { return *m_shown; }
     ShownPill& shownPill() noexcept { return *m_shownPill; }
+    Framing& framing() noexcept { return *m_framing; }
     ViewScope& viewScope() noexcept { return *m_viewScope; }
     Sections& sections() noexcept { return *m_sections; }
     Places& places() noexcept { return *m_places; }
@@ -126,11 +130,7 @@ public slots:
     void saveTo(Document& document, const QString& path);
     /// Shows the next (1) or previous (-1) attribute of the active document.
     void stepAttribute(int direction);
-    void fitAll();
-    void fitActive();
     void showAttribute(const QString& name);
-    void showAbout();
-    void showShortcuts();
 
 protected:
     void closeEvent(QCloseEvent* event) override;
@@ -138,6 +138,7 @@ protected:
 private:
     void connectParts();
     void addDocks();
+    void addMenus();
     void updateTitle();
     void documentAdded(Document* document);
     void documentLoaded(Document* document);
@@ -165,6 +166,7 @@ private:
     JobsDock* m_jobs = nullptr;
     ViewFilter* m_filter = nullptr;
     VisibilityDock* m_visibility = nullptr;
+    Menus* m_menus = nullptr;
     MainMenu* m_menu = nullptr;
     Panels* m_panels = nullptr;
     Opener* m_opener = nullptr;

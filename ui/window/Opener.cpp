@@ -9,8 +9,6 @@
 #include "ui/view/Overlays.h"
 #include "ui/view/StartPage.h"
 #include "ui/view/Viewport.h"
-#include "ui/window/MainMenu.h"
-#include "ui/window/MainWindow.h"
 
 #include <QCoreApplication>
 #include <QDir>
@@ -50,8 +48,8 @@ struct Opener::Search {
     las::FoundFiles found;  ///< in folders alone
 };
 
-Opener::Opener(MainWindow& window, WindowSettings& settings)
-    : QObject(&window), m_window(window), m_settings(settings)
+Opener::Opener(QWidget& window, Workspace& workspace, Viewport& view, WindowSettings& settings)
+    : QObject(&window), m_window(window), m_workspace(workspace), m_view(view), m_settings(settings)
 {
     // Of the whole program: fields that take text would else take the name of a file that is dropped on them.
     QCoreApplication::instance()->installEventFilter(this);
@@ -61,15 +59,9 @@ Opener::Opener(MainWindow& window, WindowSettings& settings)
         m_settings.addRecentFiles(std::exchange(m_remembered, {}));
         showRecent();
     });
-    const Workspace& workspace = m_window.workspace();
     connect(&workspace, &Workspace::documentLoaded, this, [this](const Document* d) { remember(*d); });
     connect(&workspace, &Workspace::saved, this, [this](const Document* d) { remember(*d); });
-    connect(&m_window.menu(), &MainMenu::recentChosen, this, [this](const QString& path) { open({path}); });
-    connect(&m_window.menu(), &MainMenu::recentCleared, this, [this] {
-        m_settings.clearRecentFiles();
-        showRecent();
-    });
-    StartPage& page = m_window.viewport().startPage();
+    StartPage& page = m_view.startPage();
     connect(&page, &StartPage::openRequested, this, &Opener::chooseFiles);
     connect(&page, &StartPage::folderRequested, this, &Opener::chooseFolder);
     connect(&page, &StartPage::recentChosen, this, [this](const QString& path) { open({path}); });
@@ -105,8 +97,7 @@ void Opener::open(const QStringList& paths)
     const auto search = std::make_shared<Search>();
     QStringList absolute;
     for (const QString& path : paths) absolute << QDir::cleanPath(QDir::current().absoluteFilePath(path));
-    Workspace& workspace = m_window.workspace();
-    workspace.startJob(
+    m_workspace.startJob(
         absolute.size() == 1 ? tr("Look for files in %1").arg(QFileInfo(absolute.front()).fileName())
                              : tr("Look for files"),
         [absolute, search](Progress& progress) {
@@ -125,8 +116,8 @@ void Opener::open(const QStringList& paths)
                     search->files << toQString(search->found.files[k]);
             }
         },
-        [this, search, &workspace](const JobInfo& info) {
-            if (info.state == JobState::Failed) workspace.say(MessageKind::Error, toQString(info.error));
+        [this, search](const JobInfo& info) {
+            if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
             if (info.state == JobState::Finished) openFound(*search);
         },
         true);
@@ -134,30 +125,29 @@ void Opener::open(const QStringList& paths)
 
 void Opener::openFound(const Search& search)
 {
-    Workspace& workspace = m_window.workspace();
     const bool one = search.folders.size() == 1;
     const QString name = one ? QFileInfo(search.folders.front()).fileName() : QString();
     if (!search.folders.isEmpty() && search.found.files.empty())
-        workspace.say(MessageKind::Warning, one ? tr("There is no LAS or LAZ file in %1.").arg(name)
-                                                : tr("There is no LAS or LAZ file in these folders."));
+        m_workspace.say(MessageKind::Warning, one ? tr("There is no LAS or LAZ file in %1.").arg(name)
+                                                  : tr("There is no LAS or LAZ file in these folders."));
     if (search.found.closedFolders != 0)
-        workspace.say(MessageKind::Warning, search.found.closedFolders == 1
-                                                ? tr("One folder could not be read; its files are left out.")
-                                                : tr("%1 folders could not be read; their files are left out.")
-                                                      .arg(countText(search.found.closedFolders)));
+        m_workspace.say(MessageKind::Warning, search.found.closedFolders == 1
+                                                  ? tr("One folder could not be read; its files are left out.")
+                                                  : tr("%1 folders could not be read; their files are left out.")
+                                                        .arg(countText(search.found.closedFolders)));
     const auto openAll = [this, files = search.files, origin = one ? search.folders.front() : QString()] {
-        m_window.workspace().open(files, origin);
+        m_workspace.open(files, origin);
     };
-    if (search.found.files.size() < kAskFrom || !workspace.askQuestion) return openAll();
+    if (search.found.files.size() < kAskFrom || !m_workspace.askQuestion) return openAll();
     const QString count = countText(search.found.files.size());
-    workspace.askQuestion({one ? tr("%1 has %2 LAS and LAZ files.").arg(name, count)
-                               : tr("There are %1 LAS and LAZ files.").arg(count),
-                           tr("Together they take %1 on the disk. All of them are read into memory.")
-                               .arg(bytesText(search.found.bytes)),
-                           tr("&Open All")},
-                          [openAll, guard = QPointer<Opener>(this)](bool wanted) {
-                              if (wanted && guard) openAll();
-                          });
+    m_workspace.askQuestion({one ? tr("%1 has %2 LAS and LAZ files.").arg(name, count)
+                                 : tr("There are %1 LAS and LAZ files.").arg(count),
+                             tr("Together they take %1 on the disk. All of them are read into memory.")
+                                 .arg(bytesText(search.found.bytes)),
+                             tr("&Open All")},
+                            [openAll, guard = QPointer<Opener>(this)](bool wanted) {
+                                if (wanted && guard) openAll();
+                            });
 }
 
 // -- recent ones
@@ -167,14 +157,24 @@ void Opener::remember(const Document& document)
     const QString origin = document.origin();
     m_remembered.removeAll(origin);
     m_remembered << origin;
-    m_rememberTimer.start(m_window.workspace().opening() ? kRememberPause : 0);
+    m_rememberTimer.start(m_workspace.opening() ? kRememberPause : 0);
+}
+
+QStringList Opener::recentFiles() const
+{
+    return m_settings.recentFiles();
+}
+
+void Opener::clearRecentFiles()
+{
+    m_settings.clearRecentFiles();
+    showRecent();
 }
 
 void Opener::showRecent()
 {
-    const QStringList recent = m_settings.recentFiles();
-    m_window.menu().setRecentFiles(recent);
-    m_window.viewport().startPage().setRecentFiles(recent);
+    m_view.startPage().setRecentFiles(recentFiles());
+    emit recentFilesChanged();
 }
 
 // -- dropping
@@ -183,9 +183,8 @@ bool Opener::hint(const QMimeData& mime)
 {
     const QStringList files = localFiles(mime);
     if (files.isEmpty()) return false;
-    m_window.viewport().showDropHint(files.size() == 1
-                                         ? tr("Open %1").arg(QUrl::fromLocalFile(files.front()).fileName())
-                                         : tr("Open %1 files").arg(countText(std::size_t(files.size()))));
+    m_view.showDropHint(files.size() == 1 ? tr("Open %1").arg(QUrl::fromLocalFile(files.front()).fileName())
+                                          : tr("Open %1 files").arg(countText(std::size_t(files.size()))));
     return true;
 }
 
@@ -203,7 +202,7 @@ bool Opener::eventFilter(QObject* watched, QEvent* event)
     const auto* const widget = qobject_cast<QWidget*>(watched);
     if (!widget || widget->window() != &m_window) return false;
     if (event->type() == QEvent::DragLeave) {
-        m_window.viewport().hideDropHint();
+        m_view.hideDropHint();
         return false;
     }
     auto& drop = *static_cast<QDropEvent*>(event);
@@ -212,7 +211,7 @@ bool Opener::eventFilter(QObject* watched, QEvent* event)
     if (files.isEmpty()) return false;
     drop.acceptProposedAction();
     if (event->type() == QEvent::Drop) {
-        m_window.viewport().hideDropHint();
+        m_view.hideDropHint();
         open(files);
     }
     return true;

@@ -8,31 +8,39 @@
 #include <cstddef>
 
 class QMimeData;
+class QWidget;
 
 namespace punctum::ui
 {
 
 class Document;
-class MainWindow;
+class Viewport;
 class WindowSettings;
+class Workspace;
 
 /// How the user opens files: by dialogs, by dropping them anywhere on the window, from the list of recent ones, on
 /// the command line. Folders stand for the LAS and LAZ files in them and in all folders inside; they are searched
 /// by a job, and many files are asked about first.
 ///
-/// GUI thread only. A child of the window; borrows the settings, which must outlive it.
+/// GUI thread only. A child of the window; borrows what it is made with.
 class Opener final : public QObject
 {
     Q_OBJECT
 public:
-    Opener(MainWindow& window, WindowSettings& settings);
+    Opener(QWidget& window, Workspace& workspace, Viewport& view, WindowSettings& settings);
 
     /// Files and folders, in any mix. Returns at once.
     void open(const QStringList& paths);
     void chooseFiles();
     void chooseFolder();
+    /// Newest first.
+    QStringList recentFiles() const;
+    void clearRecentFiles();
 
     bool eventFilter(QObject* watched, QEvent* event) override;
+
+signals:
+    void recentFilesChanged();
 
 private:
     struct Search;
@@ -42,7 +50,9 @@ private:
     /// Says over the view what dropping this would do; false: nothing.
     bool hint(const QMimeData& mime);
 
-    MainWindow& m_window;
+    QWidget& m_window;
+    Workspace& m_workspace;
+    Viewport& m_view;
     WindowSettings& m_settings;
     QStringList m_remembered;  ///< newest last, not yet written down
     QTimer m_rememberTimer;
