@@ -6,7 +6,7 @@
 #include "core/cloud/Visibility.h"
 #include "render/camera/Camera.h"
 #include "render/progressive/ProgressiveRenderer.h"
-#include "render/resolve/Image.h"
+#include "render/scene/Image.h"
 
 #include <optional>
 #include <vector>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "render/resolve/Image.h"
+#include "render/scene/Image.h"
 
 #include <filesystem>
 #include <string>

@@ -2,6 +2,7 @@
 #include "app/Renderer.h"
 
 #include "core/task/Progress.h"
+#include "render/backends/Backends.h"
 #include "render/progressive/WholePicture.h"
 
 #include <algorithm>

@@ -4,6 +4,7 @@
 #include "app/commands/Bench.h"
 #include "core/las/Reader.h"
 #include "core/task/Progress.h"
+#include "render/backends/Backends.h"
 #include "render/camera/Projection.h"
 #include "render/color/ColorMap.h"
 

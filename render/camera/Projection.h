@@ -3,7 +3,10 @@
 
 #include "core/cloud/Visibility.h"
 #include "render/camera/Camera.h"
-#include "render/raster/Backend.h"
+#include "render/scene/LayerClip.h"
+#include "render/scene/LayerProjection.h"
+#include "render/scene/TargetSize.h"
+#include "render/store/PointStore.h"
 
 namespace punctum::render
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "render/resolve/Image.h"
+#include "render/color/Rgba8.h"
 
 #include <array>
 #include <span>

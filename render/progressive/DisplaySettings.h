@@ -4,8 +4,7 @@
 #include "core/cloud/Visibility.h"
 #include "render/color/ColorMap.h"
 #include "render/color/Tone.h"
-#include "render/resolve/Image.h"
-#include "render/resolve/ResolveSettings.h"
+#include "render/scene/ResolveSettings.h"
 
 #include <algorithm>
 #include <array>

@@ -3,8 +3,8 @@
 
 #include "core/task/Progress.h"
 #include "render/progressive/Entry.h"
-#include "render/raster/LayerLookup.h"
-#include "render/raster/PointIds.h"
+#include "render/scene/LayerLookup.h"
+#include "render/scene/PointIds.h"
 #include "render/store/Spacing.h"
 
 #include <tbb/blocked_range.h>

@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "render/raster/VisibleStretches.h"
-#include "render/resolve/Image.h"
-#include "render/resolve/ResolveSettings.h"
-#include "render/store/PointStore.h"
+#include "render/scene/FrameScene.h"
+#include "render/scene/Image.h"
+#include "render/scene/ResolveSettings.h"
+#include "render/scene/TargetSize.h"
 
-#include <glm/vec3.hpp>
-#include <glm/vec4.hpp>
-
-#include <algorithm>
 #include <array>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace punctum::render
@@ -31,114 +27,6 @@ constexpr bool needsGl(BackendKind kind) noexcept
 /// "cpu", "gl-compute", "gl-points": names on the command line.
 std::string_view nameOf(BackendKind kind);
 std::optional<BackendKind> backendFromName(std::string_view name);
-
-/// Slot of one layer, in the numbering of the whole view: Layer::firstId + slot.
-using PointId = std::uint32_t;
-constexpr PointId kNoPoint = 0xFFFFFFFFu;
-
-/// Picture size in px, and samples a pixel: one of kSampleCounts.
-struct TargetSize {
-    int width = 0;
-    int height = 0;
-    int samples = 1;
-    friend bool operator==(const TargetSize&, const TargetSize&) = default;
-};
-
-constexpr std::array<int, 4> kSampleCounts{1, 4, 8, 16};
-/// Which of kSampleCounts it is; 0 for another number.
-std::size_t sampleCountIndex(int samples) noexcept;
-/// Throws Error when it is none of kSampleCounts.
-void checkSampleCount(int samples);
-
-/// Samples lie on a grid of so many steps a px.
-constexpr int kSampleSteps = 16;
-/// Where in its pixel a sample lies, in steps from the pixel's top left corner.
-using SamplePlace = std::uint8_t[2];
-/// The places of one pixel's samples, `samples` of them: the standard patterns of Direct3D, which most OpenGL
-/// drivers have too. `samples` is one of kSampleCounts.
-const SamplePlace* samplePlaces(int samples) noexcept;
-
-/// Widest point whose size follows its depth: nearer ones would be all of the picture.
-constexpr float kMostGrownSize = 64.0f;  // px
-/// 1.5 px: the narrowest circle that holds a sample wherever it lies.
-constexpr int kLeastRoundSteps = 24;
-
-/// Maps a store's local integers to the picture, in float, exact near the eye:
-///     q = float(local - reference)
-///     depth = dot(rowD.xyz, q) + rowD.w        along the view direction, > 0 in front
-///     w     = perspective ? depth : 1
-///     x_px  = (dot(rowX.xyz, q) + rowX.w) / w  from the left edge
-///     y_px  = (dot(rowY.xyz, q) + rowY.w) / w  from the top edge
-/// A point is drawn when depth >= nearDepth, as a square around (x_px, y_px). Its size and its left and top edge
-/// are put on the grid of the samples (size = round(width * kSampleSteps), at least 1; left = floor((x_px - size /
-/// 2) * kSampleSteps)): it covers each sample in (left, left + size], and so for y. Its width is pointSize px;
-/// where sizeOverDepth is not 0, sizeOverDepth / depth px, but at least pointSize and at most mostSize.
-///
-/// Round points cover of their square the samples in the circle that touches its edges. Those narrower than
-/// kLeastRoundSteps stay squares, because a circle would miss all samples at times.
-struct LayerProjection {
-    glm::ivec3 reference{0};
-    glm::vec4 rowX{0}, rowY{0}, rowD{0};
-    bool perspective = true;
-    float nearDepth = 1e-6f;
-    float pointSize = 1.0f;
-    float sizeOverDepth = 0.0f;
-    float mostSize = kMostGrownSize;
-    bool round = false;
-    /// Of the square (the least where it grows), in steps of 1/kSampleSteps px.
-    int sizeInSteps() const noexcept
-    {
-        const float steps = pointSize * float(kSampleSteps) + 0.5f;
-        return steps >= 1.0f ? int(std::min(steps, 1e6f)) : 1;
-    }
-    /// Likewise, of the widest point where the width follows the depth.
-    int mostInSteps() const noexcept { return std::max(sizeInSteps(), int(mostSize * float(kSampleSteps))); }
-    bool grows() const noexcept { return sizeOverDepth > 0.0f; }
-    /// px that a point can reach beyond its middle to each side, and one more.
-    float margin() const noexcept { return std::max(pointSize, grows() ? mostSize : 0.0f) / 2 + 1; }
-    /// Whether every point is one sample's square, which is drawn fastest.
-    bool singlePixels(int samples) const noexcept
-    {
-        return samples == 1 && !grows() && sizeInSteps() == kSampleSteps;
-    }
-};
-
-/// The most planes that cut a view: kMostCuts that the user may place, and the four sides of a section.
-constexpr std::size_t kMostClipPlanes = 10;
-constexpr std::size_t kMostCuts = 6;
-
-/// Which part of a cloud is drawn, in its store's local integers: points with low <= local <= high, and for each
-/// plane dot(plane.xyz, q) + plane.w >= 0, where q = float(local - reference) of the layer's projection.
-struct LayerClip {
-    bool on = false;
-    glm::ivec3 low{INT32_MIN}, high{INT32_MAX};
-    std::size_t planeCount = 0;
-    std::array<glm::vec4, kMostClipPlanes> planes{};
-};
-
-/// One cloud of the view. The store is borrowed and must outlive its use by the backend.
-struct Layer {
-    const PointStore* store = nullptr;
-    PointId firstId = 0;
-    LayerProjection projection;
-    LayerClip clip{};
-    /// Runs of slots are drawn where it says that something is in sight; null: everywhere.
-    std::shared_ptr<const VisibleStretches> visible{};
-};
-
-/// What a frame draws: all layers as one camera sees them, and which classes are shown. Points that a store hides
-/// are not drawn.
-struct FrameScene {
-    std::vector<Layer> layers;
-    std::array<bool, 256> classVisible{};
-    bool allClassesVisible = true;
-    /// Whether points have to be asked for their class or whether they are hidden.
-    bool filters() const noexcept
-    {
-        return !allClassesVisible ||
-               std::any_of(layers.begin(), layers.end(), [](const Layer& l) { return l.store->hidesAny(); });
-    }
-};
 
 /// Draws runs of slots and lists of ids into a visibility buffer (depth and point id per sample), and turns that
 /// into a picture. Nothing else: what is drawn when is the business of ProgressiveRenderer.
@@ -228,9 +116,5 @@ public:
     /// Share of pixels with at least one point.
     virtual double coveredShare() = 0;
 };
-
-/// Throws Error when this machine cannot run it. The others than Cpu need a current OpenGL 4.3 core context or
-/// later.
-std::unique_ptr<RasterBackend> makeBackend(BackendKind kind);
 
 }  // namespace punctum::render

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "render/resolve/EyeDome.h"
 
-#include "render/raster/Backend.h"
+#include "render/scene/PointId.h"
+#include "render/scene/TargetSize.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "render/resolve/ResolveSettings.h"
+#include "render/scene/ResolveSettings.h"
 
 #include <algorithm>
 #include <array>

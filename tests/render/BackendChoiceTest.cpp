@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "render/raster/BackendChoice.h"
+#include "render/backends/BackendChoice.h"
 
 #include <QTest>
 

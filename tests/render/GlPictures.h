@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "render/backends/Backends.h"
 #include "tests/render/RenderedView.h"
 
 #include <QString>

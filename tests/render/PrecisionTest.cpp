@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "core/Error.h"
+#include "render/backends/Backends.h"
 #include "render/gl/EglContext.h"
 #include "tests/render/RenderedView.h"
 

@@ -2,6 +2,7 @@
 #include "core/Error.h"
 #include "core/cloud/Visibility.h"
 #include "core/task/Progress.h"
+#include "render/backends/Backends.h"
 #include "render/gl/EglContext.h"
 #include "render/progressive/ProgressiveRenderer.h"
 #include "render/raster/cpu/CpuBackend.h"

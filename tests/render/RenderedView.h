@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "render/backends/Backends.h"
 #include "render/progressive/ProgressiveRenderer.h"
 #include "tests/render/SyntheticCloud.h"
 

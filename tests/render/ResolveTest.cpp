@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "render/progressive/FrameCostModel.h"
-#include "render/resolve/CpuResolve.h"
+#include "render/raster/cpu/CpuResolve.h"
+#include "render/resolve/Background.h"
 #include "render/resolve/EyeDome.h"
 #include "render/resolve/HoleFill.h"
 #include "tests/render/SyntheticCloud.h"

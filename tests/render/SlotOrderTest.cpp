@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "render/order/SlotOrder.h"
-#include "render/raster/PointIds.h"
+#include "render/scene/PointIds.h"
 
 #include <QTest>
 

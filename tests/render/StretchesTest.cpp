@@ -2,7 +2,7 @@
 // What is out of sight is left out by whole stretches of the file, and nothing that is in sight.
 #include "render/camera/Projection.h"
 #include "render/progressive/ProgressiveRenderer.h"
-#include "render/raster/VisibleStretches.h"
+#include "render/scene/VisibleStretches.h"
 #include "tests/render/RenderedView.h"
 
 #include <QTest>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How points look: their sizes and shapes, mean colors, lit normals.
+#include "render/backends/Backends.h"
 #include "render/progressive/ProgressiveRenderer.h"
 #include "render/store/Spacing.h"
 #include "tests/render/AverageChecks.h"

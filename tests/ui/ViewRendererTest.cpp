@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/task/Progress.h"
+#include "render/backends/Backends.h"
 #include "render/gl/EglContext.h"
 #include "tests/render/SyntheticCloud.h"
 #include "ui/view/Still.h"

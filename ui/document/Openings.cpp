@@ -3,7 +3,7 @@
 
 #include "core/Error.h"
 #include "core/task/Progress.h"
-#include "render/raster/PointIds.h"
+#include "render/scene/PointIds.h"
 #include "render/store/CloudLoad.h"
 #include "ui/basic/Text.h"
 #include "ui/document/Workspace.h"

@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/task/Progress.h"
+#include "render/backends/Backends.h"
 #include "render/store/PointStore.h"
 #include "ui/basic/Text.h"
 

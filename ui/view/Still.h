@@ -4,7 +4,7 @@
 #include "render/camera/Camera.h"
 #include "render/progressive/DisplaySettings.h"
 #include "render/progressive/WholePicture.h"
-#include "render/resolve/Image.h"
+#include "render/scene/Image.h"
 #include "ui/view/ViewPicture.h"
 
 #include <QString>

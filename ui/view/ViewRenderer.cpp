@@ -2,8 +2,9 @@
 #include "ui/view/ViewRenderer.h"
 
 #include "core/Error.h"
+#include "render/backends/BackendChoice.h"
+#include "render/backends/Backends.h"
 #include "render/gl/EglContext.h"
-#include "render/raster/BackendChoice.h"
 #include "render/store/PointStore.h"
 #include "ui/basic/Text.h"
 #include "ui/view/FrameShares.h"

@@ -2,9 +2,9 @@
 #include "render/raster/cpu/CpuBackend.h"
 
 #include "core/Error.h"
-#include "render/raster/LayerLookup.h"
-#include "render/resolve/CpuResolve.h"
+#include "render/raster/cpu/CpuResolve.h"
 #include "render/resolve/HoleFill.h"
+#include "render/scene/LayerLookup.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>

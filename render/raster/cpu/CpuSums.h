@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/cloud/Buffer.h"
-#include "render/raster/Backend.h"
+#include "render/color/Rgba8.h"
 #include "render/raster/cpu/CpuKernels.h"
 
 #include <atomic>

@@ -3,7 +3,7 @@
 
 #include "core/Error.h"
 #include "render/raster/gl/Shaders.h"
-#include "render/resolve/CpuResolve.h"
+#include "render/resolve/Background.h"
 #include "uniforms.h"
 
 #include <epoxy/gl.h>

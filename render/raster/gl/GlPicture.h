@@ -3,7 +3,7 @@
 
 #include "render/gl/GlObjects.h"
 #include "render/raster/gl/GlVisibility.h"
-#include "render/resolve/ResolveSettings.h"
+#include "render/scene/ResolveSettings.h"
 
 #include <array>
 #include <vector>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "render/gl/GlObjects.h"
-#include "render/raster/VisibleStretches.h"
+#include "render/scene/VisibleStretches.h"
 #include "render/store/PointStore.h"
 
 #include <array>

@@ -22,7 +22,7 @@ layout(location = AT_band) uniform ivec4 band;  // first row, last row (excluded
 uvec4 weighted(uvec4 color) { return color; }
 uvec4 average(uvec4 sum) { return sum; }
 #else
-// As render/resolve/CpuResolve.cpp does it.
+// As render/raster/cpu/CpuResolve.cpp does it.
 uvec4 weighted(uvec4 color) { return uvec4(color.rgb * color.a, color.a); }
 uvec4 average(uvec4 sum)
 {

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "render/raster/Backend.h"
 #include "render/raster/cpu/CpuSums.h"
+#include "render/scene/FrameScene.h"
+#include "render/scene/Image.h"
+#include "render/scene/ResolveSettings.h"
+#include "render/scene/TargetSize.h"
+
+#include <cstdint>
+#include <span>
 
 namespace punctum::render
 {
-
-/// The background of a row: the gradient's color, the same for all of the row.
-Rgba8 backgroundOf(int row, int height, const ResolveSettings& settings) noexcept;
 
 /// Turns a CPU visibility buffer (CpuBackend::cells()) into a picture, in parallel. Samples of a pixel are
 /// lit and then averaged by alpha, so that a transparent background does not darken edges. A sample that has a sum

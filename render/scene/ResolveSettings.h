@@ -3,7 +3,6 @@
 
 #include "render/color/ColorMap.h"
 #include "render/color/Tone.h"
-#include "render/resolve/Image.h"
 #include "render/store/AttributeEncoder.h"
 
 #include <glm/vec3.hpp>
@@ -80,4 +79,4 @@ inline Rgba8 colorOf(std::uint32_t word, const LayerColors& layer, const Resolve
 
 }  // namespace punctum::render
 
-#include "render/resolve/colorOf.inl"
+#include "render/scene/colorOf.inl"

@@ -2,7 +2,8 @@
 #pragma once
 
 #include "core/Error.h"
-#include "render/raster/Backend.h"
+#include "render/order/SlotOrder.h"
+#include "render/scene/PointId.h"
 
 namespace punctum::render
 {

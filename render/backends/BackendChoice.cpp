@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "render/raster/BackendChoice.h"
+#include "render/backends/BackendChoice.h"
 
 #include "core/Error.h"
+#include "render/backends/Backends.h"
 #include "render/gl/EglContext.h"
 #include "render/gl/GlObjects.h"
 #include "render/progressive/ProgressiveRenderer.h"

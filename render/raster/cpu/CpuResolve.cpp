@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "render/resolve/CpuResolve.h"
+#include "render/raster/cpu/CpuResolve.h"
 
-#include "render/raster/LayerLookup.h"
+#include "render/resolve/Background.h"
 #include "render/resolve/EyeDome.h"
+#include "render/scene/LayerLookup.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -13,7 +14,7 @@ namespace punctum::render
 namespace
 {
 
-constexpr std::size_t kPrefetchAhead = 64;
+constexpr std::size_t kWordsAhead = 64;
 
 Rgba8 average(const Rgba8* colors, std::uint32_t count) noexcept
 {
@@ -38,17 +39,6 @@ Rgba8 mean(const CpuSums::Sum& sum) noexcept
 
 }  // namespace
 
-Rgba8 backgroundOf(int row, int height, const ResolveSettings& settings) noexcept
-{
-    row += settings.rows.first;
-    const int last = std::max(1, (settings.rows.count > 0 ? settings.rows.count : height) - 1);
-    const auto blend = [&](std::uint8_t top, std::uint8_t bottom) {
-        return std::uint8_t((top * (last - row) + bottom * row + last / 2) / last);
-    };
-    const Rgba8 t = settings.backgroundTop, b = settings.backgroundBottom;
-    return {blend(t.r, b.r), blend(t.g, b.g), blend(t.b, b.b), blend(t.a, b.a)};
-}
-
 void resolveCells(std::span<const std::uint64_t> cells, std::span<const CpuSums::Sum> sums, const TargetSize& size,
                   const FrameScene& scene, const ResolveSettings& settings, Image& out)
 {
@@ -71,8 +61,8 @@ void resolveCells(std::span<const std::uint64_t> cells, std::span<const CpuSums:
             }
             LayerLookup lookup(scene), ahead(scene);
             for (std::size_t k = 0; k < rowCells; ++k) {
-                if (k + kPrefetchAhead < rowCells) {
-                    const auto next = PointId(row[k + kPrefetchAhead]);
+                if (k + kWordsAhead < rowCells) {
+                    const auto next = PointId(row[k + kWordsAhead]);
                     if (next != kNoPoint) {
                         const Layer& layer = scene.layers[ahead.layerOf(next)];
                         __builtin_prefetch(layer.store->words().data() + (next - layer.firstId));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "render/raster/VisibleStretches.h"
+#include "render/scene/VisibleStretches.h"
 
-#include "render/raster/Backend.h"
+#include "render/scene/FrameScene.h"
+#include "render/scene/TargetSize.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "render/raster/Backend.h"
+#include "render/scene/FrameScene.h"
 
 namespace punctum::render
 {
