@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "core/cloud/PointCloud.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
+#include "core/cloud/BlockBoxes.h"
+#include "core/task/LockedLoop.h"
+
 #include <glm/common.hpp>
 
 #include <algorithm>
@@ -127,25 +128,23 @@ void PointCloud::removeColumnsOf(const Attribute& gone)
 
 RawBounds PointCloud::computeBounds() const
 {
-    const auto x = rawX(), y = rawY(), z = rawZ();
-    return tbb::parallel_reduce(
-        tbb::blocked_range<PointIndex>(0, m_size, 1 << 16), RawBounds{},
-        [&](const tbb::blocked_range<PointIndex>& r, RawBounds b) {
-            std::int32_t lo[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, hi[3] = {INT32_MIN, INT32_MIN, INT32_MIN};
-            const std::int32_t* axes[3] = {x.data(), y.data(), z.data()};
-            for (int a = 0; a < 3; ++a)
-                for (PointIndex i = r.begin(); i != r.end(); ++i) {
-                    lo[a] = std::min(lo[a], axes[a][i]);
-                    hi[a] = std::max(hi[a], axes[a][i]);
-                }
-            b.include(lo[0], lo[1], lo[2]);
-            b.include(hi[0], hi[1], hi[2]);
-            return b;
-        },
-        [](RawBounds a, const RawBounds& b) {
-            a.include(b);
-            return a;
-        });
+    return boxes()->bounds();
+}
+
+void PointCloud::setArriving(std::shared_ptr<BlockBoxes> boxes)
+{
+    m_arriving = std::move(boxes);
+}
+
+std::shared_ptr<const BlockBoxes> PointCloud::boxes() const
+{
+    if (m_arriving && m_arriving->complete()) return m_arriving;
+    const std::unique_lock lock(m_boxesMutex);
+    if (m_boxes) return m_boxes;
+    const auto found = std::make_shared<BlockBoxes>(m_size);
+    if (m_size != 0) runLocked(lock, [&] { found->includeAll(rawX().data(), rawY().data(), rawZ().data()); });
+    if (!m_arriving) m_boxes = found;
+    return found;
 }
 
 Subscription PointCloud::subscribe(Listener listener)

@@ -20,6 +20,7 @@
 namespace punctum
 {
 
+class BlockBoxes;
 namespace las
 {
 struct SourceFile;
@@ -144,8 +145,17 @@ public:
     {
         return {m_steps[0](rawX()[i]), m_steps[1](rawY()[i]), m_steps[2](rawZ()[i])};
     }
-    /// Bounds of the points, in parallel; computed from the data, never from a header.
+    /// Bounds of the points, from their boxes: computed from the data, never from a header.
     RawBounds computeBounds() const;
+    /// The box of each stretch of consecutive points, as they were read: coordinates do not change once all points
+    /// are there. Points that could not be read are at 0. Of a cloud that nobody reads into, they are found when
+    /// they are first asked for, in parallel, and kept; while points arrive, of what the columns hold now, and not
+    /// kept. Any thread.
+    std::shared_ptr<const BlockBoxes> boxes() const;
+    /// Into which whoever reads points into the cloud includes them as they come; set when the cloud is made,
+    /// before other threads see it. Null for a cloud that nobody reads into.
+    void setArriving(std::shared_ptr<BlockBoxes> boxes);
+    BlockBoxes* arriving() const noexcept { return m_arriving.get(); }
 
     // -- points that an edit deleted: views and tools leave them alone, and saving leaves them out; they keep
     //    their index and their values until they are restored
@@ -178,6 +188,9 @@ private:
     std::shared_ptr<const PointSet> m_deleted;
     std::shared_ptr<const las::SourceFile> m_source;
     mutable std::shared_mutex m_mutex;
+    std::shared_ptr<BlockBoxes> m_arriving;
+    mutable std::mutex m_boxesMutex;
+    mutable std::shared_ptr<const BlockBoxes> m_boxes;  ///< found here
     std::shared_ptr<Listeners> m_listeners;
 };
 

@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/Text.h"
+#include "core/cloud/BlockBoxes.h"
 #include "core/las/ChunkProbe.h"
 #include "core/las/Compatible.h"
 #include "core/las/ExtraBytesRange.h"
@@ -16,6 +17,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 
 namespace punctum::las
 {
@@ -123,6 +125,7 @@ std::shared_ptr<PointCloud> Reader::createCloud() const
     makeColumns(*cloud, m_source->layout);
     cloud->setUnits(m_source->units);
     cloud->setSource(m_source);
+    cloud->setArriving(std::make_shared<BlockBoxes>(cloud->size()));
     return cloud;
 }
 
@@ -277,34 +280,9 @@ struct Seen {
     RawBounds bounds;
     std::array<std::uint64_t, 16> byReturn{};
 
-    /// Whether none of these points is outside the bounds so far, as it soon is: half the work of new ones.
-    bool within(const std::int32_t* const axes[3], std::size_t n) const
+    void include(const RawBounds& part, const std::uint8_t* returns, std::size_t n, std::uint8_t mask)
     {
-        if (bounds.empty()) return false;
-        bool outside = false;
-        for (int a = 0; a < 3; ++a) {
-            const auto low = std::int32_t(bounds.min[a]), high = std::int32_t(bounds.max[a]);
-            int any = 0;
-            for (std::size_t i = 0; i < n; ++i) any |= int(axes[a][i] < low) | int(axes[a][i] > high);
-            outside |= any != 0;
-        }
-        return !outside;
-    }
-    void extend(const std::int32_t* const axes[3], std::size_t n)
-    {
-        for (int a = 0; a < 3; ++a) {
-            std::int32_t low = INT32_MAX, high = INT32_MIN;
-            for (std::size_t i = 0; i < n; ++i) {
-                low = std::min(low, axes[a][i]);
-                high = std::max(high, axes[a][i]);
-            }
-            bounds.min[a] = std::min<std::int64_t>(bounds.min[a], low);
-            bounds.max[a] = std::max<std::int64_t>(bounds.max[a], high);
-        }
-    }
-    void include(const std::int32_t* const axes[3], const std::uint8_t* returns, std::size_t n, std::uint8_t mask)
-    {
-        if (!within(axes, n)) extend(axes, n);
+        bounds.include(part);
         // Four tables: neighbors often have the same value, and must not wait for each other.
         std::uint32_t counts[4][256] = {};
         std::size_t i = 0;
@@ -328,6 +306,13 @@ ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& 
     const auto returnsField = std::size_t(layout.returnsColumn());
     const std::uint8_t returnMask = isExtendedFormat(layout.shownFormat()) ? 15 : 7;
     tbb::enumerable_thread_specific<Seen> seen;
+    // A cloud that keeps no boxes of its own, such as a part of a larger one, has bounds all the same.
+    std::optional<BlockBoxes> passing;
+    BlockBoxes& boxes = cloud.arriving() != nullptr ? *cloud.arriving() : passing.emplace(cloud.size());
+    const auto include = [&](PointRange range) {
+        return boxes.include(range, cloud.rawX().data() + range.first, cloud.rawY().data() + range.first,
+                             cloud.rawZ().data() + range.first);
+    };
     const Deinterleaver deinterleave(layout);
 
     Receiver receiver;
@@ -339,10 +324,8 @@ ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& 
         decodeCompatible(layout, columns, std::size_t(range.size()));
     };
     receiver.arrived = [&](PointRange range) {
-        const std::int32_t* const axes[3] = {cloud.rawX().data() + range.first, cloud.rawY().data() + range.first,
-                                             cloud.rawZ().data() + range.first};
         const auto* returns = reinterpret_cast<const std::uint8_t*>(cloud.columns()[returnsField]->data());
-        seen.local().include(axes, returns + range.first, std::size_t(range.size()), returnMask);
+        seen.local().include(include(range), returns + range.first, std::size_t(range.size()), returnMask);
         if (sink) sink(range);
     };
     receiver.withdrawn = [&](PointRange range) {
@@ -352,6 +335,7 @@ ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& 
         }
     };
     ReadResult result = m_impl->visit(progress, receiver);
+    for (const PointRange& range : result.missing) include(range);
 
     PointsAsRead summary;
     for (const Seen& s : seen) {

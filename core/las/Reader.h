@@ -50,8 +50,9 @@ public:
     /// columns (while they are still in the processor's cache); each point is in exactly one range.
     using BatchSink = std::function<void(PointRange)>;
 
-    /// Reads all points into the cloud's columns, in parallel, in an order spread over the file.
-    /// Throws Error (I/O) or Cancelled.
+    /// Reads all points into the cloud's columns, in parallel, in an order spread over the file, and includes them
+    /// into its boxes (PointCloud::arriving()), each batch before the sink is told of it. Throws Error (I/O) or
+    /// Cancelled.
     ReadResult read(PointCloud& cloud, Progress& progress, const BatchSink& sink = {}) const;
 
     /// Called from worker threads, several at once, with the raw records of a range, one after another.

@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/Text.h"
+#include "core/cloud/LeastMost.h"
 #include "core/las/ChunkCodec.h"
 #include "core/las/Compatible.h"
 #include "core/las/CrsPlan.h"
@@ -516,9 +517,9 @@ private:
             const std::int32_t* axes[] = {m_cloud.rawX().data(), m_cloud.rawY().data(), m_cloud.rawZ().data()};
             std::int32_t low[3], high[3];
             for (int a = 0; a < 3; ++a) {
-                const auto [lo, hi] = std::minmax_element(axes[a] + r.first, axes[a] + r.last);
-                low[a] = *lo;
-                high[a] = *hi;
+                const LeastMost part = leastAndMost(axes[a] + r.first, std::size_t(r.size()));
+                low[a] = part.least;
+                high[a] = part.most;
             }
             s.bounds.include(low[0], low[1], low[2]);
             s.bounds.include(high[0], high[1], high[2]);

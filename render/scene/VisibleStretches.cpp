@@ -75,10 +75,11 @@ VisibleStretches::VisibleStretches(const Layer& layer, const TargetSize& size)
     const Slot stretchPlaces = store.stretchPlaces();
     const std::vector<Side> sides = sidesOf(layer, size);
     m_bits.assign((stretches + 31) / 32, 0);
+    const auto boxes = store.boxes();
     std::uint64_t seen = 0;
     std::size_t count = 0;
     for (std::size_t k = 0; k < stretches; ++k) {
-        const LocalBox box = store.boxOf(k);
+        const LocalBox box = store.frame().toLocal((*boxes)[k]);
         if (box.empty()) continue;
         if (layer.clip.on) {
             bool apart = false;

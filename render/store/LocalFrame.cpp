@@ -32,4 +32,18 @@ bool LocalFrame::holds(const RawBounds& bounds) const noexcept
            glm::all(glm::lessThan(high, glm::i64vec3(top)));
 }
 
+LocalBox LocalFrame::toLocal(const RawBounds& bounds) const noexcept
+{
+    LocalBox box;
+    if (bounds.empty()) return box;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto local = [&](std::int64_t v) {
+            return std::int32_t(std::clamp<std::int64_t>((v - origin[axis]) >> shift, INT32_MIN, INT32_MAX));
+        };
+        box.low[axis] = local(bounds.min[axis]);
+        box.high[axis] = local(bounds.max[axis]);
+    }
+    return box;
+}
+
 }  // namespace punctum::render

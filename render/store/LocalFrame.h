@@ -30,6 +30,8 @@ struct LocalFrame {
 
     static LocalFrame around(const RawBounds& bounds) noexcept;
     bool holds(const RawBounds& bounds) const noexcept;
+    /// Of points inside the frame, each face at the local coordinate of one of them.
+    LocalBox toLocal(const RawBounds& bounds) const noexcept;
     glm::dvec3 toRaw(const glm::dvec3& local) const noexcept
     {
         return local * double(1 << shift) + glm::dvec3(origin);

@@ -71,8 +71,6 @@ PointStore::PointStore(std::shared_ptr<const PointCloud> cloud, const RawBounds&
       m_words(std::size_t(m_order.slotCount()) * sizeof(std::uint32_t)),
       m_classes(m_order.slotCount()),
       m_hidden(m_order.slotCount()),
-      m_boxes(order == OrderKind::Stratified ? std::size_t((m_cloud->size() + kStretchPoints - 1) / kStretchPoints)
-                                             : 0),
       m_positionVersions(blocks()),
       m_wordVersions(blocks())
 {
@@ -99,43 +97,6 @@ std::span<const std::uint8_t> PointStore::classes() const noexcept
 std::span<const std::uint8_t> PointStore::hidden() const noexcept
 {
     return {reinterpret_cast<const std::uint8_t*>(m_hidden.data()), slotCount()};
-}
-
-LocalBox PointStore::boxOf(std::size_t stretch) const noexcept
-{
-    LocalBox box;
-    const Box& raw = m_boxes[stretch];
-    for (int axis = 0; axis < 3; ++axis) {
-        const std::int64_t low = raw.low[std::size_t(axis)].load(std::memory_order_relaxed),
-                           high = raw.high[std::size_t(axis)].load(std::memory_order_relaxed);
-        if (low > high) return {};
-        const auto local = [&](std::int64_t v) {
-            return std::int32_t(
-                std::clamp<std::int64_t>((v - m_frame.origin[axis]) >> m_frame.shift, INT32_MIN, INT32_MAX));
-        };
-        box.low[axis] = local(low);
-        box.high[axis] = local(high);
-    }
-    return box;
-}
-
-void PointStore::grow(std::size_t stretch, const std::int32_t* const axes[3], std::size_t count) noexcept
-{
-    Box& box = m_boxes[stretch];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        std::int32_t low = INT32_MAX, high = INT32_MIN;
-        for (std::size_t k = 0; k < count; ++k) {
-            low = std::min(low, axes[axis][k]);
-            high = std::max(high, axes[axis][k]);
-        }
-        // Several threads may have points of one stretch.
-        for (auto seen = box.low[axis].load(std::memory_order_relaxed);
-             low < seen && !box.low[axis].compare_exchange_weak(seen, low, std::memory_order_relaxed);) {
-        }
-        for (auto seen = box.high[axis].load(std::memory_order_relaxed);
-             high > seen && !box.high[axis].compare_exchange_weak(seen, high, std::memory_order_relaxed);) {
-        }
-    }
 }
 
 void PointStore::hide(const PointSet* points)
@@ -327,7 +288,6 @@ void PointStore::put(PointRange range, const AttributeEncoder& encoder, bool wit
                                                  m_cloud->rawZ().data() + first};
             if (!makeElements(m_frame, axes, s.words, count, s.elements))
                 m_outgrown.store(true, std::memory_order_relaxed);
-            if (!m_boxes.empty()) grow(std::size_t(first / kStretchPoints), axes, count);
         }
 
         const auto store = [&](Slot slot, std::size_t k) {

@@ -2,13 +2,12 @@
 #pragma once
 
 #include "core/Identity.h"
-#include "core/cloud/PointCloud.h"
+#include "core/cloud/BlockBoxes.h"
 #include "core/edit/Preview.h"
 #include "render/order/SlotOrder.h"
 #include "render/store/AttributeEncoder.h"
 #include "render/store/LocalFrame.h"
 
-#include <array>
 #include <atomic>
 #include <memory>
 #include <mutex>
@@ -66,13 +65,18 @@ public:
 
     // -- what lies together in the file
     /// A stretch: so many consecutive points of the file. In each window of the order they are consecutive slots.
-    static constexpr PointIndex kStretchPoints = 16'384;
+    static constexpr PointIndex kStretchPoints = BlockBoxes::kPoints;
     /// 0 in the prime order, whose slots lie anywhere.
-    std::size_t stretches() const noexcept { return m_boxes.size(); }
+    std::size_t stretches() const noexcept
+    {
+        return m_order.kind() == OrderKind::Stratified
+                   ? std::size_t((m_cloud->size() + kStretchPoints - 1) / kStretchPoints)
+                   : 0;
+    }
     /// Slots of a stretch in each window; the last one has fewer.
     Slot stretchPlaces() const noexcept { return Slot(kStretchPoints >> m_order.groupBits()); }
-    /// Of the points of a stretch that have come so far; of all once filled() says so.
-    LocalBox boxOf(std::size_t stretch) const noexcept;
+    /// Of each stretch, in raw coordinates.
+    std::shared_ptr<const BlockBoxes> boxes() const { return m_cloud->boxes(); }
 
     // -- points that are not to be drawn, whatever their class
     /// Hides these points of the cloud from now on, and no others; null: none. In parallel, some nanoseconds a
@@ -141,14 +145,6 @@ private:
     /// the caller to raise.
     void put(PointRange range, const AttributeEncoder& encoder, bool positions);
     void bumpVersions(PointRange range, bool positions) noexcept;
-    /// Points of one stretch, by their raw coordinates, axis by axis.
-    void grow(std::size_t stretch, const std::int32_t* const axes[3], std::size_t count) noexcept;
-
-    /// Of raw coordinates: the frame may become another one.
-    struct Box {
-        std::array<std::atomic<std::int32_t>, 3> low{INT32_MAX, INT32_MAX, INT32_MAX};
-        std::array<std::atomic<std::int32_t>, 3> high{INT32_MIN, INT32_MIN, INT32_MIN};
-    };
 
     Identity m_identity;
     std::shared_ptr<const PointCloud> m_cloud;
@@ -156,7 +152,6 @@ private:
     RawBounds m_bounds;
     LocalFrame m_frame;
     Buffer m_positions, m_words, m_classes, m_hidden;
-    std::vector<Box> m_boxes;    ///< by stretch
     Attribute m_classification;  ///< without columns when the cloud has none
     mutable std::mutex m_encoderMutex;
     std::shared_ptr<const AttributeEncoder> m_encoder;

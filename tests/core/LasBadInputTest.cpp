@@ -5,6 +5,7 @@
 #include "core/las/Writer.h"
 #include "core/task/Progress.h"
 #include "tests/core/BadInputs.h"
+#include "tests/core/ExactBoxes.h"
 
 #include <QTemporaryDir>
 #include <QTest>
@@ -130,6 +131,7 @@ void LasBadInputTest::everyRow()
     for (const PointRange& r : o.result.missing) missing += r.size();
     QVERIFY2(o.cloud->size() == bad.points, all.c_str());
     QVERIFY2(missing == bad.missing, all.c_str());
+    QVERIFY(boxesAreExact(*o.cloud));
     QVERIFY2(o.source->recovered == bad.recovered, all.c_str());
     QVERIFY2(bad.said.empty() ? warnings.empty() : all.find(bad.said) != std::string::npos, all.c_str());
     QCOMPARE(o.result.bounds.empty(), o.cloud->size() == missing);

@@ -3,6 +3,7 @@
 #include "core/las/ChunkCodec.h"
 #include "core/las/Reader.h"
 #include "core/task/Progress.h"
+#include "tests/core/ExactBoxes.h"
 #include "tests/core/LasFiles.h"
 
 #include <QTemporaryDir>
@@ -134,6 +135,7 @@ void LasReaderTest::sharedFilesAreReadAsLaszipDoes()
     const auto cloud = load(path, &result);
     QVERIFY(result.missing.empty());
     QVERIFY(result.bounds == cloud->computeBounds());
+    QVERIFY(boxesAreExact(*cloud));
     const auto& layout = cloud->source()->layout;
     const bool extended = layout.format >= 6;
 
@@ -437,6 +439,8 @@ void LasReaderTest::damagedChunkLeavesOthers()
         las::ReadResult result;
         const auto cloud = load(make("damaged.laz", laz), &result);
         for (const PointRange& m : result.missing) QCOMPARE(m, (PointRange{300, 400}));
+        QVERIFY(boxesAreExact(*cloud));  // the damaged points are at 0
+        QVERIFY(result.bounds == cloud->computeBounds() || !result.missing.empty());
         if (format == 3) {
             QCOMPARE(result.missing.size(), std::size_t(1));
             QVERIFY(!result.warnings.empty());
@@ -454,6 +458,7 @@ void LasReaderTest::returnsAndBoundsAreCounted()
     const auto summary = cloud->source()->asRead->get();
     QVERIFY(summary.complete);
     QVERIFY(summary.bounds == cloud->computeBounds());
+    QVERIFY(boxesAreExact(*cloud));
     std::array<std::uint64_t, 16> expectedReturns{};
     for (std::size_t i = 0; i < count; ++i) ++expectedReturns[std::size_t(points[i * 30 + 14]) & 15];
     QVERIFY(summary.byReturn == expectedReturns);
@@ -483,6 +488,7 @@ void LasReaderTest::pointwiseCompressionIsRead()
         laz.resize(laz.size() / 2);
         const auto half = load(make("half.laz", laz), &result);
         QCOMPARE(result.missing.size(), std::size_t(1));
+        QVERIFY(boxesAreExact(*half));
         QVERIFY(result.missing[0].first > 0 && result.missing[0].last == count);
     }
 }
@@ -500,6 +506,7 @@ void LasReaderTest::manyDamagedChunksAreOneWarning()
     las::ReadResult result;
     const auto cloud = load(make("many.laz", laz), &result);
     QVERIFY(result.missing.size() > 100);
+    QVERIFY(boxesAreExact(*cloud));
     QVERIFY(result.warnings.size() < 15);
     QVERIFY(std::is_sorted(result.missing.begin(), result.missing.end(),
                            [](const PointRange& a, const PointRange& b) { return a.first < b.first; }));

@@ -68,7 +68,8 @@ private Q_SLOTS:
                 expected.low = glm::min(expected.low, at);
                 expected.high = glm::max(expected.high, at);
             }
-            QVERIFY(store->boxOf(k).low == expected.low && store->boxOf(k).high == expected.high);
+            const LocalBox box = store->frame().toLocal((*store->boxes())[k]);
+            QVERIFY(box.low == expected.low && box.high == expected.high);
         }
     }
 
