@@ -3,9 +3,9 @@
 
 #include "app/commands/Command.h"
 #include "core/Error.h"
+#include "core/FindFiles.h"
 #include "core/Text.h"
 #include "core/las/AtomicFile.h"
-#include "core/las/FindFiles.h"
 #include "core/las/SourceFile.h"
 #include "core/task/Progress.h"
 #include "render/store/CloudLoad.h"
@@ -55,8 +55,7 @@ int writeAll(int file, std::string_view bytes)
 
 void checkCloudName(const fs::path& path)
 {
-    if (!las::isCloudName(path))
-        throw UsageError("The file to write, " + path.string() + ", must end in .las or .laz.");
+    if (!isCloudName(path)) throw UsageError("The file to write, " + path.string() + ", must end in .las or .laz.");
 }
 
 void checkFolder(const fs::path& path)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Folders are searched for LAS and LAZ files, wholly, in order, and without walking in circles.
 #include "core/Error.h"
-#include "core/las/FindFiles.h"
+#include "core/FindFiles.h"
 #include "core/task/Progress.h"
 
 #include <QTemporaryDir>
@@ -42,9 +42,9 @@ private slots:
         std::filesystem::create_symlink(root / "b.laz", root / "deep/link.laz");
         std::filesystem::create_symlink(root / "nowhere", root / "deep/dangling.laz");
 
-        las::FoundFiles found;
+        FoundFiles found;
         Progress progress;
-        las::findFiles(root, found, progress);
+        findFiles(root, found, progress);
         const std::vector<std::filesystem::path> expected{root / "a.LAS", root / "b.laz", root / "deep/er/x.Laz",
                                                           root / "deep/link.laz", root / "folder.las/y.las"};
         QVERIFY(found.files == expected);
@@ -54,9 +54,9 @@ private slots:
 
     void tellsWhatCannotBeRead()
     {
-        las::FoundFiles found;
+        FoundFiles found;
         Progress progress;
-        QVERIFY_EXCEPTION_THROWN(las::findFiles("/there is/no such folder", found, progress), Error);
+        QVERIFY_EXCEPTION_THROWN(findFiles("/there is/no such folder", found, progress), Error);
         QVERIFY(found.files.empty());
 
         // a folder inside that is closed to us is counted; others are looked into
@@ -68,7 +68,7 @@ private slots:
         ::chmod(root.c_str(), 0755);
         ::chmod((root / "closed").c_str(), 0);
         if (was == 0) QCOMPARE(::seteuid(65534), 0);
-        las::findFiles(root, found, progress);
+        findFiles(root, found, progress);
         if (was == 0) QCOMPARE(::seteuid(was), 0);
         ::chmod((root / "closed").c_str(), 0700);
         QCOMPARE(found.closedFolders, std::size_t(1));
@@ -79,10 +79,10 @@ private slots:
     {
         const QTemporaryDir folder;
         write(std::filesystem::path(folder.path().toStdString()) / "a.las");
-        las::FoundFiles found;
+        FoundFiles found;
         Progress progress;
         progress.cancel();
-        QVERIFY_EXCEPTION_THROWN(las::findFiles(folder.path().toStdString(), found, progress), Cancelled);
+        QVERIFY_EXCEPTION_THROWN(findFiles(folder.path().toStdString(), found, progress), Cancelled);
     }
 };
 

@@ -35,15 +35,16 @@ qsizetype layerOf(const QString& path)
     return kLayers.indexOf(path.section('/', 0, 0));
 }
 
-/// Who may include whom inside the layers: the block "directions" of docs/dev/architecture.md, if it is there.
-std::optional<QMap<QString, QStringList>> directionsOf(const QString& root)
+/// A table of docs/dev/architecture.md, if that is there: "directions" says who may include whom inside the layers,
+/// "closed" which folders other layers may include, beside their own.
+std::optional<QMap<QString, QStringList>> tableOf(const QString& root, const QString& name)
 {
     QFile file(root + "/docs/dev/architecture.md");
     if (!file.open(QIODevice::ReadOnly)) return std::nullopt;
     const QString text = QString::fromUtf8(file.readAll());
     QMap<QString, QStringList> table;
     for (const QString& line :
-         text.section("```directions\n", 1).section("```", 0, 0).split('\n', Qt::SkipEmptyParts))
+         text.section("```" + name + "\n", 1).section("```", 0, 0).split('\n', Qt::SkipEmptyParts))
         table[line.section(':', 0, 0)] = line.section(':', 1).split(' ', Qt::SkipEmptyParts);
     return table;
 }
@@ -71,7 +72,7 @@ QStringList findCircles(const QMap<QString, QStringList>& directions, const QStr
 QStringList findBreaches(const QString& root)
 {
     QStringList breaches;
-    const auto directions = directionsOf(root);
+    const auto directions = tableOf(root, "directions"), closed = tableOf(root, "closed");
     static const QRegularExpression include("^\\s*#\\s*include\\s*[<\"]([^>\"]+)[>\"]");
     static const QRegularExpression linked("(Qt6::|\\bQt6\\b|EPOXY|OpenGL::|PkgConfig::EGL)");
     for (const QString& layer : kLayers) {
@@ -111,6 +112,9 @@ QStringList findBreaches(const QString& root)
                 if (directions && layerOf(header) == own && other != folder &&
                     !directions->value(folder).contains(other))
                     breaches += where + " includes " + other + ", to which no direction leads (" + header + ").";
+                if (closed && closed->contains(other) && layerOf(header) != own &&
+                    !closed->value(other).contains(kLayers[own]))
+                    breaches += where + " includes " + other + ", which is closed to it (" + header + ").";
                 if (layerOf(header) > own) breaches += where + " includes upward (" + header + ").";
                 if (header.startsWith("tests/")) breaches += where + " includes a test (" + header + ").";
             }
@@ -219,6 +223,15 @@ void IncludesTest::directionsAreKept()
     write(root.path() + "/core/new/N.h", "#include \"core/b/B.h\"\n");
     QCOMPARE(findBreaches(root.path()),
              QStringList("core/new/N.h:1 includes core/b, to which no direction leads (core/b/B.h)."));
+
+    write(root.path() + "/core/new/N.h", "#include <vector>\n");
+    write(root.path() + "/docs/dev/architecture.md",
+          "```directions\ncore/a: core/b\ncore/b:\n```\n```closed\ncore/b: app\n```\n");
+    write(root.path() + "/app/C.cpp", "#include \"core/b/B.h\"\n");
+    QCOMPARE(findBreaches(root.path()), QStringList());
+    write(root.path() + "/ui/C.cpp", "#include \"core/a/A.h\"\n#include \"core/b/B.h\"\n");
+    QCOMPARE(findBreaches(root.path()),
+             QStringList("ui/C.cpp:2 includes core/b, which is closed to it (core/b/B.h)."));
 }
 
 void IncludesTest::directionsHaveNoCircle()
@@ -227,7 +240,7 @@ void IncludesTest::directionsHaveNoCircle()
         findCircles({{"a/x", {"a/y"}}, {"a/y", {"a/z"}}, {"a/z", {"a/y"}}, {"b", {"b/x"}}, {"b/x", {"b"}}}, "a"),
         QStringList("a/y -> a/z -> a/y"));
     QCOMPARE(findCircles({{"a/x", {"a/y", "a/z"}}, {"a/y", {"a/z"}}, {"a/z", {}}}, "a"), QStringList());
-    const auto directions = directionsOf(PUNCTUM_SOURCE_DIR);
+    const auto directions = tableOf(PUNCTUM_SOURCE_DIR, "directions");
     QVERIFY(directions);
     // Layers that have been set in order; none of them may fall back.
     for (const QString& layer : {QStringLiteral("render"), QStringLiteral("ui")}) {

@@ -381,7 +381,7 @@ private slots:
         QFile::setPermissions(path, QFile::ReadOwner | QFile::WriteOwner);
         Document* document = test.open(path);
         QVERIFY(document);
-        QCOMPARE(int(document->source().layout.format), 3);
+        QCOMPARE(int(document->facts().format), 3);
         QVERIFY(reclassify(test, *document, "406", "425", "200"));
         QCOMPARE(document->findAttribute(QStringLiteral("Classification"))->maxBits(), std::uint64_t(255));
         const PointIndex low = lowPoints(*document);

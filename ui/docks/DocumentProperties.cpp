@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "ui/docks/DocumentProperties.h"
 
-#include "core/Text.h"
 #include "core/cloud/ValueText.h"
-#include "core/las/Doctor.h"
-#include "core/las/HeaderWords.h"
+#include "core/session/FileFacts.h"
 #include "ui/basic/Numbers.h"
 #include "ui/basic/Text.h"
 #include "ui/document/Document.h"
@@ -51,10 +49,10 @@ QString extentText(const WorldBounds& box, const CoordinateScale& coordinates)
     return axes.join(QLatin1Char('\n'));
 }
 
-PropertySection doctorSection(const std::vector<las::Finding>& findings)
+PropertySection doctorSection(const std::vector<FileFault>& faults)
 {
     PropertySection section{tr("Doctor"), {}};
-    for (const las::Finding& f : findings) {
+    for (const FileFault& f : faults) {
         const QString mend = toQString(f.mend);
         section.rows.push_back(
             {{}, toQString(f.fault) + QLatin1Char('\n') + (f.repairable ? tr("Repair: %1").arg(mend) : mend)});
@@ -63,22 +61,22 @@ PropertySection doctorSection(const std::vector<las::Finding>& findings)
 }
 
 /// Who made the file, and what its encoding bits say.
-PropertySection originSection(const las::Header& header)
+PropertySection originSection(const FileFacts& facts)
 {
     const auto orElse = [](const std::string& text, const QString& otherwise) {
         return text.empty() ? otherwise : toQString(text);
     };
     QStringList words;
-    for (const std::string& word : las::encodingWords(header)) words << toQString(word);
-    if (header.versionMinor() >= 5)
+    for (const std::string& word : facts.encoding) words << toQString(word);
+    if (facts.gpsTimes)
         words << tr("GPS times by the header: %1 to %2")
-                     .arg(localNumber(toQString(shortestText(header.get(las::at::kMinGpsTime)))),
-                          localNumber(toQString(shortestText(header.get(las::at::kMaxGpsTime)))));
+                     .arg(localNumber(toQString(shortestText(facts.gpsTimes->first))),
+                          localNumber(toQString(shortestText(facts.gpsTimes->second))));
     return {tr("Origin"),
-            {{tr("Created"), orElse(las::creationText(header), tr("not said"))},
-             {tr("Software"), orElse(las::headerText(header, las::at::kSoftware), tr("not said"))},
-             {tr("System"), orElse(las::headerText(header, las::at::kSystemId), tr("not said"))},
-             {tr("Project id"), orElse(las::guidText(header), tr("none"))},
+            {{tr("Created"), orElse(facts.created, tr("not said"))},
+             {tr("Software"), orElse(facts.software, tr("not said"))},
+             {tr("System"), orElse(facts.system, tr("not said"))},
+             {tr("Project id"), orElse(facts.projectId, tr("none"))},
              {tr("Encoding"), words.join(QLatin1Char('\n'))}}};
 }
 
@@ -90,7 +88,7 @@ QString estimateText(double value)
 }
 
 /// Counts and density of the points of the file.
-void addFigures(std::vector<PropertySection>& sections, const Document& document, const las::Examination& found)
+void addFigures(std::vector<PropertySection>& sections, const Document& document, const Inspection& found)
 {
     const PointFigures& f = found.figures;
     const glm::dvec3 stretch = document.viewStretch(document.bounds());
@@ -106,9 +104,7 @@ void addFigures(std::vector<PropertySection>& sections, const Document& document
     if (f.gpsTime) {
         QString text = localNumber(toQString(shortestText(f.gpsTime->first))) + QLatin1Char('\n') +
                        localNumber(toQString(shortestText(f.gpsTime->second)));
-        const las::Header& header = found.source->header;
-        const QString first = toQString(las::gpsDay(header, f.gpsTime->first));
-        const QString last = toQString(las::gpsDay(header, f.gpsTime->second));
+        const QString first = toQString(found.firstDay), last = toQString(found.lastDay);
         if (!first.isEmpty() && !last.isEmpty())
             text += QLatin1Char('\n') + (first == last ? first : tr("%1 to %2").arg(first, last));
         figures.rows.push_back({tr("GPS time"), text});
@@ -132,10 +128,10 @@ void addFigures(std::vector<PropertySection>& sections, const Document& document
 
 }  // namespace
 
-std::vector<PropertySection> documentProperties(const Document& document, const las::Examination* examination)
+std::vector<PropertySection> documentProperties(const Document& document, const Inspection* inspection)
 {
     // After a save another file holds the points.
-    const las::SourceFile& source = examination ? *examination->source : document.source();
+    const FileFacts& facts = inspection ? inspection->facts : document.facts();
     const CoordinateScale& coordinates = document.cloud()->coordinates();
     std::vector<PropertySection> sections;
 
@@ -147,10 +143,9 @@ std::vector<PropertySection> documentProperties(const Document& document, const 
         sections.push_back(missing);
     }
     PropertySection warnings{tr("Warnings"), {}};
-    for (const QString& warning : warningsOf(source)) warnings.rows.push_back({{}, warning});
+    for (const std::string& warning : facts.warnings) warnings.rows.push_back({{}, toQString(warning)});
     if (!warnings.rows.empty()) sections.push_back(warnings);
-    if (examination && !examination->diagnosis.findings.empty())
-        sections.push_back(doctorSection(examination->diagnosis.findings));
+    if (inspection && !inspection->faults.empty()) sections.push_back(doctorSection(inspection->faults));
     if (!document.unsavedChanges().isEmpty())
         sections.push_back({tr("Unsaved changes"), {{{}, document.unsavedChanges(), {}}}});
     if (const auto& save = document.lastSave()) {
@@ -166,16 +161,16 @@ std::vector<PropertySection> documentProperties(const Document& document, const 
     sections.push_back({tr("File"),
                         {{tr("Name"), document.name()},
                          {tr("Folder"), document.path().section(QLatin1Char('/'), 0, -2)},
-                         {tr("Size"), bytesText(source.fileSize)},
+                         {tr("Size"), bytesText(facts.bytes)},
                          {tr("Points"), points}}});
     sections.push_back({tr("Format"),
-                        {{tr("LAS version"), toQString(source.header.version())},
-                         {tr("Point format"), source.layout.compatible ? tr("%1, stored as %2 (compatibility mode)")
-                                                                             .arg(source.layout.shownFormat())
-                                                                             .arg(source.layout.format)
-                                                                       : QString::number(source.layout.format)},
-                         {tr("Record length"), tr("%1 bytes").arg(source.layout.length)},
-                         {tr("Compressed"), source.compressed ? tr("yes, LAZ") : tr("no")}}});
+                        {{tr("LAS version"), toQString(facts.version)},
+                         {tr("Point format"),
+                          facts.shownFormat != facts.format
+                              ? tr("%1, stored as %2 (compatibility mode)").arg(facts.shownFormat).arg(facts.format)
+                              : QString::number(facts.format)},
+                         {tr("Record length"), tr("%1 bytes").arg(facts.recordLength)},
+                         {tr("Compressed"), facts.compressed ? tr("yes, LAZ") : tr("no")}}});
     PropertySection place{
         tr("Coordinates"),
         {{tr("Scale"), vectorText(coordinates.scale)}, {tr("Offset"), vectorText(coordinates.offset)}}};
@@ -184,26 +179,19 @@ std::vector<PropertySection> documentProperties(const Document& document, const 
         place.rows.push_back({tr("Highest"), axesText(document.bounds().max, coordinates)});
         place.rows.push_back({tr("Extent"), extentText(document.bounds(), coordinates)});
     }
-    place.rows.push_back({tr("Units"), toQString(las::unitsText(source.units))});
-    place.rows.push_back({tr("System"), source.crs.empty() ? tr("not stated") : toQString(source.crs)});
+    place.rows.push_back({tr("Units"), toQString(facts.units)});
+    place.rows.push_back({tr("System"), facts.crs.empty() ? tr("not stated") : toQString(facts.crs)});
     sections.push_back(place);
 
-    sections.push_back(originSection(source.header));
-    if (examination) addFigures(sections, document, *examination);
+    sections.push_back(originSection(facts));
+    if (inspection) addFigures(sections, document, *inspection);
 
     PropertySection records{tr("Records"), {}};
-    const auto list = [&](const std::vector<las::Vlr>& vlrs) {
-        for (const las::Vlr& vlr : vlrs) {
-            QString value =
-                vlr.extended ? tr("%1, extended").arg(bytesText(vlr.data.size())) : bytesText(vlr.data.size());
-            if (const QString words = toQString(las::recordWords(vlr)); !words.isEmpty())
-                value += QLatin1Char('\n') + words;
-            records.rows.push_back(
-                {QStringLiteral("%1 / %2").arg(toQString(printable(vlr.user()))).arg(vlr.recordId), value});
-        }
-    };
-    list(source.vlrs);
-    list(source.evlrs);
+    for (const FileFacts::Record& record : facts.records) {
+        QString value = record.extended ? tr("%1, extended").arg(bytesText(record.bytes)) : bytesText(record.bytes);
+        if (!record.words.empty()) value += QLatin1Char('\n') + toQString(record.words);
+        records.rows.push_back({toQString(record.name), value});
+    }
     if (records.rows.empty()) records.rows.push_back({{}, tr("none")});
     sections.push_back(records);
     return sections;

@@ -5,9 +5,9 @@
 
 #include <vector>
 
-namespace punctum::las
+namespace punctum
 {
-struct Examination;
+struct Inspection;
 }
 
 namespace punctum::ui
@@ -26,7 +26,7 @@ struct PropertySection {
     std::vector<Row> rows;
 };
 
-/// `examination`: null while not known.
-std::vector<PropertySection> documentProperties(const Document& document, const las::Examination* examination);
+/// `inspection`: null while not known.
+std::vector<PropertySection> documentProperties(const Document& document, const Inspection* inspection);
 
 }  // namespace punctum::ui

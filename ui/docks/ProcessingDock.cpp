@@ -3,7 +3,6 @@
 
 #include "core/Error.h"
 #include "core/expression/Rule.h"
-#include "core/las/PointFormat.h"
 #include "render/color/ColorMap.h"
 #include "ui/basic/Text.h"
 #include "ui/docks/AttributesModel.h"

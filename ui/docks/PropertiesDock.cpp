@@ -112,8 +112,8 @@ void PropertiesDock::update()
         }
         html += QStringLiteral("</table>");
     }
-    const las::Examination* const found = m_document ? m_doctor.of(*m_document) : nullptr;
-    m_repair->setVisible(found && found->diagnosis.repairable());
+    const Inspection* const found = m_document ? m_doctor.of(*m_document) : nullptr;
+    m_repair->setVisible(found && found->repairable());
     const int place = m_text->verticalScrollBar()->value();
     m_text->setHtml(html);
     m_text->verticalScrollBar()->setValue(place);

@@ -19,32 +19,20 @@ Document::Document(std::shared_ptr<Session> session, std::shared_ptr<render::Poi
     : QObject(parent),
       m_session(std::move(session)),
       m_store(std::move(store)),
+      m_facts(factsOf(*m_session->source())),
+      m_units(m_session->source()->units),
       m_path(toQString(m_session->openedPath())),
       m_name(fileName()),
-      m_recovered(source().recovered),
-      m_bounds(source().firstBounds),
+      m_recovered(m_session->source()->recovered),
+      m_bounds(m_session->source()->firstBounds),
       m_attributes(cloud()->attributes())  // nobody else knows the cloud's list yet
 {
-    for (const std::string& loss : source().losses) m_losses << toQString(loss);
-}
-
-QStringList warningsOf(const las::SourceFile& source)
-{
-    QStringList sentences;
-    for (const std::string& warning : source.warnings)
-        if (std::find(source.losses.begin(), source.losses.end(), warning) == source.losses.end())
-            sentences << toQString(warning);
-    return sentences;
+    for (const std::string& loss : m_session->source()->losses) m_losses << toQString(loss);
 }
 
 const std::shared_ptr<PointCloud>& Document::cloud() const noexcept
 {
     return m_session->cloud();
-}
-
-const las::SourceFile& Document::source() const noexcept
-{
-    return *m_session->source();
 }
 
 const History& Document::history() const noexcept
@@ -90,17 +78,17 @@ const Attribute* Document::findAttribute(const QString& name) const
 
 QString Document::coordinateUnit() const
 {
-    return toQString(source().units.horizontal);
+    return toQString(m_units.horizontal);
 }
 
 QString Document::lengthUnit() const
 {
-    return toQString(trueLengths(source().units, {}).unit);
+    return toQString(trueLengths(m_units, {}).unit);
 }
 
 glm::dvec3 Document::viewStretch(const WorldBounds& bounds) const
 {
-    return trueLengths(source().units, bounds).stretch;
+    return trueLengths(m_units, bounds).stretch;
 }
 
 const AttributeFigures* Document::figures(const QString& name) const

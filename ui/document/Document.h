@@ -3,7 +3,8 @@
 
 #include "core/cloud/DistinctValues.h"
 #include "core/cloud/PointCloud.h"
-#include "core/las/Reader.h"
+#include "core/session/FileFacts.h"
+#include "core/session/Session.h"
 
 #include <QObject>
 #include <QString>
@@ -18,8 +19,6 @@
 
 namespace punctum
 {
-class History;
-class Session;
 namespace render
 {
 class PointStore;
@@ -28,9 +27,6 @@ class PointStore;
 
 namespace punctum::ui
 {
-
-/// What is to be said of a file beside what is missing or damaged, one sentence each.
-QStringList warningsOf(const las::SourceFile& source);
 
 /// Minimum, maximum and mean of each component of an attribute.
 using AttributeFigures = std::array<AttributeStatistics, 3>;
@@ -52,7 +48,8 @@ public:
     const std::shared_ptr<Session>& session() const noexcept { return m_session; }
     const std::shared_ptr<render::PointStore>& store() const noexcept { return m_store; }
     const std::shared_ptr<PointCloud>& cloud() const noexcept;
-    const las::SourceFile& source() const noexcept;
+    /// Of the file that was opened.
+    const FileFacts& facts() const noexcept { return m_facts; }
     const History& history() const noexcept;
 
     QString path() const { return m_path; }
@@ -142,6 +139,8 @@ private:
 
     std::shared_ptr<Session> m_session;
     std::shared_ptr<render::PointStore> m_store;
+    FileFacts m_facts;
+    CoordinateUnits m_units;
     QString m_path, m_name, m_origin;
     State m_state = State::Loading;
     bool m_recovered = false;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "ui/document/FileDoctor.h"
 
-#include "core/las/Repair.h"
 #include "core/session/Session.h"
 #include "core/task/Progress.h"
 #include "ui/basic/Text.h"
@@ -20,13 +19,13 @@ namespace
 {
 
 /// What was done and what was not, in lines.
-QString details(const las::RepairReport& report)
+QString details(const RepairOutcome& report)
 {
     QString text;
-    const auto list = [&](const QString& heading, const std::vector<las::Finding>& findings) {
-        if (findings.empty()) return;
+    const auto list = [&](const QString& heading, const std::vector<FileFault>& faults) {
+        if (faults.empty()) return;
         text += (text.isEmpty() ? QString() : QStringLiteral("\n")) + heading + QLatin1Char('\n');
-        for (const las::Finding& f : findings)
+        for (const FileFault& f : faults)
             text += QStringLiteral("- ") + toQString(f.fault) + QStringLiteral("\n  ") + toQString(f.mend) +
                     QLatin1Char('\n');
     };
@@ -47,7 +46,7 @@ FileDoctor::FileDoctor(Workspace& workspace, QObject* parent) : QObject(parent),
     });
 }
 
-const las::Examination* FileDoctor::of(const Document& document) const
+const Inspection* FileDoctor::of(const Document& document) const
 {
     const auto look = m_looks.find(&document);
     return look == m_looks.end() ? nullptr : look->second.found.get();
@@ -55,21 +54,16 @@ const las::Examination* FileDoctor::of(const Document& document) const
 
 void FileDoctor::examine(Document& document)
 {
-    const auto result = std::make_shared<std::optional<las::Examination>>();
+    const auto result = std::make_shared<std::optional<Inspection>>();
     const JobId job = m_workspace.startJob(
         tr("Look through %1").arg(document.name()),
-        [session = document.session(), result](Progress& progress) {
-            const auto edits = session->editsInFile();
-            if (!edits) return;
-            las::Examination found = las::examine(*session->cloud(), progress);
-            if (session->editsInFile() == edits) *result = std::move(found);
-        },
+        [session = document.session(), result](Progress& progress) { *result = inspect(*session, progress); },
         [self = QPointer(this), target = QPointer(&document), result](const JobInfo& info) {
             if (!self || !target) return;
             const auto look = self->m_looks.find(target.data());
             if (look == self->m_looks.end() || look->second.job != info.id) return;  // a later save is looked at
             look->second.job = 0;
-            if (*result) look->second.found = std::make_shared<const las::Examination>(std::move(**result));
+            if (*result) look->second.found = std::make_shared<const Inspection>(std::move(**result));
             emit self->examined(target.data());
         },
         true);
@@ -82,11 +76,11 @@ void FileDoctor::examine(Document& document)
 void FileDoctor::repair(const Document& document, const QString& path)
 {
     const std::filesystem::path target = toPath(QDir::cleanPath(QDir::current().absoluteFilePath(path)));
-    const auto report = std::make_shared<las::RepairReport>();
+    const auto report = std::make_shared<RepairOutcome>();
     m_workspace.startJob(
         tr("Repair %1").arg(document.name()),
         [in = toPath(document.path()), target, report](Progress& progress) {
-            *report = las::repair(in, target, progress);
+            *report = repairFile(in, target, progress);
         },
         [workspace = QPointer(&m_workspace), target, report](const JobInfo& info) {
             if (!workspace) return;

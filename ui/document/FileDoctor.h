@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/las/Doctor.h"
+#include "core/session/FileFacts.h"
 #include "core/task/Jobs.h"
 
 #include <QObject>
@@ -27,9 +27,9 @@ public:
 
     /// Of the file that holds the document now. Null while not known, and where an edit came first: then the points
     /// are no longer those of the file.
-    const las::Examination* of(const Document& document) const;
+    const Inspection* of(const Document& document) const;
 
-    /// Writes what las::repair() makes of the document's file, and says what was mended and what was left. The open
+    /// Writes what repairFile() makes of the document's file, and says what was mended and what was left. The open
     /// document stays as it is.
     void repair(const Document& document, const QString& path);
 
@@ -42,7 +42,7 @@ private:
     Workspace& m_workspace;
     struct Look {
         JobId job = 0;  ///< that looks; 0: none
-        std::shared_ptr<const las::Examination> found;
+        std::shared_ptr<const Inspection> found;
     };
     std::map<const Document*, Look> m_looks;
 };

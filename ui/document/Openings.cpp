@@ -37,7 +37,7 @@ QString fileNameOf(const QString& path)
 std::pair<QString, QString> newsOf(const Document& document)
 {
     const QStringList& losses = document.losses();
-    const QStringList warnings = warningsOf(document.source());
+    const std::vector<std::string>& warnings = document.facts().warnings;
     if (document.recovered()) {
         const QString sentence = losses.size() == 1
                                      ? Workspace::tr("%1 is damaged: %2").arg(document.name(), losses.front())
@@ -47,8 +47,9 @@ std::pair<QString, QString> newsOf(const Document& document)
         return {sentence + Workspace::tr(" What could be read is open; it can be saved under another name."),
                 losses.size() == 1 ? QString() : losses.join(QLatin1Char('\n'))};
     }
-    if (warnings.size() == 1) return {Workspace::tr("%1: %2").arg(document.name(), warnings.front()), {}};
-    if (!warnings.isEmpty())
+    if (warnings.size() == 1)
+        return {Workspace::tr("%1: %2").arg(document.name(), toQString(warnings.front())), {}};
+    if (!warnings.empty())
         return {Workspace::tr("%1 opened with %2 warnings; the File panel lists them.")
                     .arg(document.name())
                     .arg(warnings.size()),

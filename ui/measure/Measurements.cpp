@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/measure/Measurements.h"
 
-#include "core/las/AtomicFile.h"
+#include "core/session/TextFile.h"
 #include "core/task/Jobs.h"
 #include "core/task/Progress.h"
 #include "ui/basic/Numbers.h"
@@ -180,13 +180,7 @@ void Measurements::exportTo(const QString& path)
     const QString name = QFileInfo(path).fileName();
     m_workspace.startJob(
         tr("Export %1").arg(name),
-        [all = std::move(all), target = toPath(path)](Progress&) {
-            const std::string csv = toCsv(all);
-            las::AtomicFile file(target, csv.size());
-            file.writeAt(0, std::as_bytes(std::span(csv)));
-            file.sync();
-            file.commit();
-        },
+        [all = std::move(all), target = toPath(path)](Progress&) { writeText(target, toCsv(all)); },
         [workspace = &m_workspace, name, count = m_entries.size()](const JobInfo& end) {
             if (end.state == JobState::Finished)
                 workspace->say(MessageKind::Info,

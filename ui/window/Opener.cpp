@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/window/Opener.h"
 
-#include "core/las/FindFiles.h"
+#include "core/FindFiles.h"
 #include "core/task/Progress.h"
 #include "ui/basic/Text.h"
 #include "ui/document/Workspace.h"
@@ -43,9 +43,9 @@ QStringList localFiles(const QMimeData& data)
 
 /// What the user named, and what is in its folders.
 struct Opener::Search {
-    QStringList folders;    ///< among what was named
-    QStringList files;      ///< named, or found
-    las::FoundFiles found;  ///< in folders alone
+    QStringList folders;  ///< among what was named
+    QStringList files;    ///< named, or found
+    FoundFiles found;     ///< in folders alone
 };
 
 Opener::Opener(QWidget& window, Workspace& workspace, Viewport& view, WindowSettings& settings)
@@ -110,7 +110,7 @@ void Opener::open(const QStringList& paths)
                     continue;
                 }
                 const auto first = search->found.files.size();
-                las::findFiles(place, search->found, progress);
+                findFiles(place, search->found, progress);
                 search->folders << path;
                 for (std::size_t k = first; k < search->found.files.size(); ++k)
                     search->files << toQString(search->found.files[k]);

@@ -7,11 +7,8 @@
 
 namespace punctum
 {
-class Progress;
-}
 
-namespace punctum::las
-{
+class Progress;
 
 /// The LAS and LAZ files of some folders.
 struct FoundFiles {
@@ -28,4 +25,4 @@ bool isCloudName(const std::filesystem::path& path);
 /// cannot be read, and Cancelled.
 void findFiles(const std::filesystem::path& folder, FoundFiles& found, Progress& progress);
 
-}  // namespace punctum::las
+}  // namespace punctum

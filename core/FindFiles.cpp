@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/las/FindFiles.h"
+#include "core/FindFiles.h"
 
 #include "core/Error.h"
 #include "core/task/Progress.h"
@@ -9,7 +9,7 @@
 #include <string>
 #include <system_error>
 
-namespace punctum::las
+namespace punctum
 {
 
 namespace
@@ -63,4 +63,4 @@ void findFiles(const std::filesystem::path& folder, FoundFiles& found, Progress&
     std::sort(found.files.begin() + first, found.files.end());
 }
 
-}  // namespace punctum::las
+}  // namespace punctum
