@@ -2,8 +2,8 @@
 # Everything Punctum builds on. Nothing is fetched: packaging/setup.sh installs what is missing.
 
 include(CoreDependencies)
+find_package(nlohmann_json REQUIRED)
 if(NOT PUNCTUM_CORE_ONLY)
-  find_package(nlohmann_json REQUIRED)
   find_package(CLI11 REQUIRED)
   pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
   pkg_check_modules(EGL REQUIRED IMPORTED_TARGET egl)

@@ -2,6 +2,7 @@
 #include "core/FindFiles.h"
 
 #include "core/Error.h"
+#include "core/VirtualCloud.h"
 #include "core/task/Progress.h"
 
 #include <algorithm>
@@ -61,6 +62,27 @@ void findFiles(const std::filesystem::path& folder, FoundFiles& found, Progress&
         ++found.closedFolders;
     }
     std::sort(found.files.begin() + first, found.files.end());
+}
+
+bool standsForFiles(const std::filesystem::path& path)
+{
+    std::error_code unknown;  // what cannot be looked at is opened, which says why
+    return std::filesystem::is_directory(path, unknown) ||
+           (isVirtualCloudName(path) && std::filesystem::is_regular_file(path, unknown));
+}
+
+void addFilesOf(const std::filesystem::path& place, FoundFiles& found, Progress& progress)
+{
+    std::error_code unknown;
+    if (std::filesystem::is_directory(place, unknown)) return findFiles(place, found, progress);
+    const VirtualCloud cloud = readVirtualCloud(place);
+    for (const std::filesystem::path& file : cloud.files) {
+        progress.check();
+        const std::uintmax_t size = std::filesystem::file_size(file, unknown);
+        found.files.push_back(file);
+        found.bytes += unknown ? 0 : size;  // what is not there is said when it is opened
+    }
+    found.remote += cloud.remote;
 }
 
 }  // namespace punctum

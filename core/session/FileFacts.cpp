@@ -18,6 +18,7 @@ namespace
 std::vector<FileFault> faultsOf(const std::vector<las::Finding>& findings)
 {
     std::vector<FileFault> faults;
+    faults.reserve(findings.size());
     for (const las::Finding& f : findings) faults.push_back({f.fault, f.mend, f.repairable});
     return faults;
 }

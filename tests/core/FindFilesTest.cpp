@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -23,6 +24,11 @@ class FindFilesTest : public QObject
     {
         std::filesystem::create_directories(path.parent_path());
         std::ofstream(path) << bytes;
+    }
+    static std::string json(std::string text)
+    {
+        std::replace(text.begin(), text.end(), '\'', '"');
+        return text;
     }
 
 private slots:
@@ -83,6 +89,70 @@ private slots:
         Progress progress;
         progress.cancel();
         QVERIFY_EXCEPTION_THROWN(findFiles(folder.path().toStdString(), found, progress), Cancelled);
+    }
+
+    void aVirtualCloudNamesFiles()
+    {
+        const QTemporaryDir folder;
+        const std::filesystem::path root = folder.path().toStdString();
+        write(root / "tiles/a.laz", "1234567");
+        const std::string absolute = (root / "tiles" / "with blank.laz").string();
+        write(absolute, "12");
+        std::string url = "file://" + absolute;
+        url.replace(url.find(' '), 1, "%20");
+        write(root / "all.VPC", json("{'type': 'FeatureCollection', 'features': ["
+                                     "{'assets': {'data': {'href': './tiles/a.laz', 'roles': ['data']},"
+                                     "            'overview': {'href': './over.laz', 'roles': ['overview']}}},"
+                                     "{'assets': {'data': {'href': '" +
+                                     url +
+                                     "'}}},"
+                                     "{'assets': {'data': {'href': 'tiles/../tiles/a.laz'}}},"
+                                     "{'assets': {'data': {'href': 'https://example.org/b.laz'}}},"
+                                     "{'assets': {'data': {'href': 'tiles/missing.laz'}}},"
+                                     "{'assets': [7]}, 3, {'assets': {'data': {'href': 4}}}]}"));
+        QVERIFY(standsForFiles(root / "all.VPC"));
+        QVERIFY(standsForFiles(root));
+        QVERIFY(!standsForFiles(root / "tiles/a.laz"));
+        QVERIFY(!standsForFiles(root / "nowhere.vpc"));
+        FoundFiles found;
+        Progress progress;
+        addFilesOf(root / "all.VPC", found, progress);
+        const std::vector<std::filesystem::path> expected{root / "tiles/a.laz", absolute,
+                                                          root / "tiles/missing.laz"};
+        QVERIFY(found.files == expected);
+        QCOMPARE(found.bytes, std::uint64_t(9));
+        QCOMPARE(found.remote, std::size_t(1));
+    }
+
+    void otherTextsAreNoVirtualClouds_data()
+    {
+        QTest::addColumn<QByteArray>("text");
+        QTest::addColumn<QString>("why");
+        QTest::newRow("empty") << QByteArray() << "no list of features";
+        QTest::newRow("no JSON") << QByteArray("LASF\0\1\2", 7) << "no list of features";
+        QTest::newRow("cut") << QByteArray::fromStdString(json("{'features': [{'assets': {'data'"))
+                             << "no list of features";
+        QTest::newRow("deep") << QByteArray(1'000'000, '[') << "no list of features";
+        QTest::newRow("no file") << QByteArray::fromStdString(json("{'features': []}")) << "names no file";
+        QTest::newRow("servers") << QByteArray::fromStdString(
+                                        json("{'features': [{'assets': {'data': {'href': 's3://a/b.laz'}}}]}"))
+                                 << "lie on servers";
+    }
+    void otherTextsAreNoVirtualClouds()
+    {
+        QFETCH(QByteArray, text);
+        QFETCH(QString, why);
+        const QTemporaryDir folder;
+        const std::filesystem::path file = (folder.path() + "/a.vpc").toStdString();
+        write(file, text.toStdString());
+        FoundFiles found;
+        Progress progress;
+        try {
+            addFilesOf(file, found, progress);
+            QFAIL("It was read.");
+        } catch (const Error& error) {
+            QVERIFY2(QString::fromUtf8(error.what()).contains(why), error.what());
+        }
     }
 };
 
