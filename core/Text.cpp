@@ -27,6 +27,13 @@ std::string pointsText(std::uint64_t count)
     return count == 1 ? "1 point" : grouped(count) + " points";
 }
 
+std::string listText(const std::vector<std::string>& names, std::size_t most)
+{
+    std::string list;
+    for (std::size_t k = 0; k < names.size() && k < most; ++k) list += (k == 0 ? "" : ", ") + names[k];
+    return names.size() > most ? list + " and " + grouped(names.size() - most) + " more" : list;
+}
+
 std::string sizeText(std::uint64_t bytes)
 {
     if (bytes < 1000) return bytes == 1 ? "1 byte" : std::to_string(bytes) + " bytes";

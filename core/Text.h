@@ -20,6 +20,9 @@ std::string hexText(std::uint64_t number, int digits);
 /// "1 point", "1,204 points".
 std::string pointsText(std::uint64_t count);
 
+/// "a.las, b.las and 3 more": the first `most` names, and how many others there are.
+std::string listText(const std::vector<std::string>& names, std::size_t most = 5);
+
 /// "603 bytes", "603 kB", "2.1 GB": what memory or a disk has to have, rounded up.
 std::string sizeText(std::uint64_t bytes);
 

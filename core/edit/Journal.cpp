@@ -2,6 +2,7 @@
 #include "core/edit/Journal.h"
 
 #include "core/Error.h"
+#include "core/SummedText.h"
 #include "core/edit/Command.h"
 #include "core/edit/Literal.h"
 

@@ -42,14 +42,12 @@ struct JournalContents {
     std::vector<std::string> inForce() const;
 };
 
-// -- the lines of a journal (docs/dev/journal.md), without the sum at their end
+// -- the lines of a journal (docs/dev/journal.md), without the sum at their end (core/SummedText.h)
 
 inline constexpr std::string_view kJournalFirstLine = "punctum-journal 1";
 std::string journalCloudLine(const CloudKey& key, const std::string& file);
 /// A Do that is to be noted: the points are those of its recipe, of the cloud that the key is of.
 std::string journalLine(const JournalEntry& entry);
-/// The line with its sum and its end; `sum`: of the line before, becomes that of this one.
-std::string summed(const std::string& line, std::uint32_t& sum);
 
 /// What of a journal's bytes is sound.
 struct SoundJournal {

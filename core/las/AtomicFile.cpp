@@ -103,7 +103,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& target, std::uint64_t expect
         fail("The file cannot be written", errno);
     }
 
-    const std::filesystem::path folder = m_target.has_parent_path() ? m_target.parent_path() : ".";
+    const std::filesystem::path folder = folderOf(m_target);
     struct statvfs room {
     };
     if (expectedBytes != 0 && ::statvfs(folder.c_str(), &room) == 0 && room.f_frsize != 0 &&
@@ -130,7 +130,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& target, std::uint64_t expect
 AtomicFile::~AtomicFile()
 {
     if (m_descriptor >= 0) ::close(m_descriptor);
-    if (!m_committed && !m_temporary.empty()) ::unlink(m_temporary.c_str());
+    if (!m_left && !m_temporary.empty()) ::unlink(m_temporary.c_str());
 }
 
 void AtomicFile::fail(const std::string& what, int error) const
@@ -246,19 +246,35 @@ void AtomicFile::checkTarget() const
                     "Save it again, or under another name.");
 }
 
+int AtomicFile::takeName() noexcept
+{
+    if (::rename(m_temporary.c_str(), m_target.c_str()) != 0) return errno;
+    m_left = true;
+    return 0;
+}
+
 FileStamp AtomicFile::commit()
 {
     seal();
     checkTarget();
-    if (::rename(m_temporary.c_str(), m_target.c_str()) != 0) fail("The file cannot take its name", errno);
-    m_committed = true;
+    if (const int error = takeName(); error != 0) fail("The file cannot take its name", error);
     // The name itself must reach the disk too. The file is there by now, so that a failure is no error.
-    const std::filesystem::path folder = m_target.has_parent_path() ? m_target.parent_path() : ".";
-    if (const int d = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); d >= 0) {
-        (void)::fsync(d);
-        ::close(d);
-    }
+    (void)syncFolder(folderOf(m_target));
     return m_stamp;
+}
+
+std::filesystem::path folderOf(const std::filesystem::path& path)
+{
+    return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+
+int syncFolder(const std::filesystem::path& folder) noexcept
+{
+    const int d = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (d < 0) return errno == EACCES ? 0 : errno;  // folders that may be written to, but not be listed
+    const int error = ::fsync(d) == 0 ? 0 : errno;
+    ::close(d);
+    return error == EINVAL || error == ENOSYS || error == EOPNOTSUPP ? 0 : error;
 }
 
 }  // namespace punctum::las

@@ -41,6 +41,10 @@ public:
     Protected whenProtected() const noexcept { return m_whenProtected; }
     /// Whether there was a file when this was made.
     bool replaces() const noexcept { return m_before.has_value(); }
+    /// That file; nothing: there was none.
+    const std::optional<FileStamp>& before() const noexcept { return m_before; }
+    /// What was written, once it is sealed.
+    const FileStamp& stamp() const noexcept { return m_stamp; }
 
     void writeAt(std::uint64_t offset, std::span<const std::byte> bytes);
     /// Cuts the file off, or extends it with zeros.
@@ -52,6 +56,11 @@ public:
     void seal();
     /// Throws Error when another program touched the target since this was made.
     void checkTarget() const;
+    /// Gives a sealed file its name without looking at the target or waiting for the disk: 0, or what the system
+    /// says.
+    int takeName() noexcept;
+    /// The temporary file stays when this ends, for whoever gives it its name later.
+    void leave() noexcept { m_left = true; }
     /// Gives the file its name, unless another program touched the target since this was made; seals it first.
     /// Gives what tells the new file from others.
     FileStamp commit();
@@ -71,12 +80,18 @@ private:
     std::optional<FileStamp> m_before;  ///< of the target; nothing: there was none
     FileStamp m_stamp;                  ///< of what was written, once it is sealed
     std::vector<std::string> m_notes;
-    bool m_committed = false;
+    bool m_left = false;  ///< the temporary file has its name, or is somebody else's matter
     unsigned m_mode = 0;
     unsigned m_owner = 0, m_group = 0;
 };
 
 /// Whether there is a file that its owner made read-only, or that we may not write to.
 bool writeProtected(const std::filesystem::path& path);
+
+/// The folder of a path; "." where it has none.
+std::filesystem::path folderOf(const std::filesystem::path& path);
+
+/// Waits until the names in a folder are on the disk: 0, or what the system says, but for file systems that cannot.
+int syncFolder(const std::filesystem::path& folder) noexcept;
 
 }  // namespace punctum::las

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace punctum::las
@@ -12,8 +13,33 @@ namespace punctum::las
 /// killed one left behind can be known.
 std::string temporaryName(const std::string& name);
 
-/// One sentence for each temporary file beside `target` of a save of it that never ended, because its process was
-/// killed or the power failed. They are named and never deleted: they may hold work that is nowhere else.
+/// The process that wrote a temporary file of `name`; 0: it is none of these.
+long temporaryProcess(std::string_view temporary, const std::string& name);
+
+/// "PROCESS-NUMBER" of this process, with a random number of eight digits: how names of our own files end.
+std::string processSuffix();
+/// The process of such an ending; 0: it is none.
+long processOfSuffix(std::string_view text);
+/// Whether there is such a process on this machine now.
+bool isRunning(long process);
+
+/// What killed saves left in a folder, which is looked through once, when this is made.
+class Leftovers
+{
+public:
+    explicit Leftovers(const std::filesystem::path& folder);
+
+    /// One sentence for each temporary file beside `target`, a file in this folder, of a save of it that never
+    /// ended, because its process was killed or the power failed. They are named and never deleted: they may hold
+    /// work that is nowhere else.
+    std::vector<std::string> of(const std::filesystem::path& target) const;
+
+private:
+    std::vector<std::string> m_names;
+    bool m_several = false;  ///< a save of several files waits to be finished (FinishSaves.h)
+};
+
+/// Likewise for one file.
 std::vector<std::string> unfinishedSaves(const std::filesystem::path& target);
 
 }  // namespace punctum::las

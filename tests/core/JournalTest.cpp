@@ -4,6 +4,7 @@
 #include "core/edit/Journal.h"
 
 #include "core/Error.h"
+#include "core/SummedText.h"
 #include "core/edit/History.h"
 #include "core/edit/ListCommand.h"
 #include "core/edit/Literal.h"

@@ -6,6 +6,7 @@
 // The first byte of the input: 1 the rest is a whole file (else lines without their sums, which are added, after
 // the two that a journal of this cloud begins with); 2 the cloud has narrow classes and odd attributes (else it is
 // a sample of point format 7); 4 the history packs what it keeps; 8 it moves it to a file.
+#include "core/SummedText.h"
 #include "core/edit/History.h"
 #include "core/edit/Journal.h"
 #include "core/edit/Literal.h"

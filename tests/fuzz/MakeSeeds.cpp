@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Makes the inputs that fuzzing begins with: MakeSeeds FOLDER [FOLDER OF REAL FILES]; FOLDER is tests/fuzz/corpus.
+#include "core/SummedText.h"
 #include "core/edit/Journal.h"
 #include "core/edit/Literal.h"
 #include "core/las/File.h"
@@ -215,8 +216,22 @@ void cameras()
     for (const char* text : texts) seedText("camera", std::to_string(++number), text[0], text + 1);
 }
 
+const char* const kManifests[] = {
+    "punctum-save 1\nfolder /b\nfolder /c%20d\nfile .a.las.tmp-12-01234567 a.las 10 -5 11 6 0a0b0c0d\n"
+    "new .b.laz.tmp-12-01234567 b.laz 11 6 00000000\nend 3\n",
+    "punctum-save 1\ndecider /a\nnew .b.laz.tmp-12-01234567 b.laz 11 6 00000000\nend 3\n",
+    "punctum-save 1\nfile .a.las.tmp-12-01234567 ../a.las 10 5 11 6 0a0b0c0d\nend 1\n",
+    "punctum-save 2\nmore\n"};
+
+void manifests()
+{
+    int number = 0;
+    for (const char* text : kManifests) seedText("manifest", std::to_string(++number), text[0], text + 1);
+}
+
 void make(const fs::path& realFiles)
 {
+    manifests();
     journals(false);
     journals(true);
     expressions();

@@ -8,7 +8,7 @@ root=$(CDPATH='' cd -- "$(dirname -- "$0")/../.." && pwd)
 cd "$root"
 seconds=${1:-60}
 [ $# -eq 0 ] || shift
-targets=${*:-header extra_bytes chunk_table chunk open_save_open journal expression camera}
+targets=${*:-header extra_bytes chunk_table chunk open_save_open journal manifest expression camera}
 
 if ! command -v clang++ >/dev/null || ! ls "$(clang++ -print-resource-dir)"/lib/linux/libclang_rt.fuzzer-*.a >/dev/null 2>&1; then
     echo "fuzz: clang or its libFuzzer is missing; install clang and libclang-rt-dev." >&2
