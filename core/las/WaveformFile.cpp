@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace
 {
 
-constexpr std::size_t kPieceBytes = std::size_t(4) << 20;
+constexpr std::size_t kCopyBytes = std::size_t(4) << 20;
 
 }  // namespace
 
@@ -51,7 +51,7 @@ std::unique_ptr<AtomicFile> copyWaveforms(const fs::path& source, const AtomicFi
     std::vector<std::byte> piece;
     for (std::uint64_t at = 0; at < file.size(); at += piece.size()) {
         progress.check();
-        piece.resize(std::size_t(std::min<std::uint64_t>(kPieceBytes, file.size() - at)));
+        piece.resize(std::size_t(std::min<std::uint64_t>(kCopyBytes, file.size() - at)));
         file.readAt(at, piece);
         copy->writeAt(at, piece);
         progress.add(piece.size());

@@ -23,7 +23,7 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::size_t kBlockBytes = std::size_t(1) << 20;  ///< of records made and written at once (LAS)
+constexpr std::size_t kWriteBytes = std::size_t(1) << 20;  ///< of records made and written at once (LAS)
 
 /// What the written file must hold besides its points.
 struct Written {
@@ -37,7 +37,7 @@ struct Written {
 template <typename Work>
 void forEachBlock(const RecordMaker& maker, Progress& progress, const Work& work)
 {
-    const std::uint64_t block = std::max<std::uint64_t>(1, kBlockBytes / maker.layout().length);
+    const std::uint64_t block = std::max<std::uint64_t>(1, kWriteBytes / maker.layout().length);
     const std::uint64_t blocks = (maker.points() + block - 1) / block;
     forEachInOrder(std::size_t(blocks), [&](std::vector<std::byte>& scratch, std::size_t k) {
         progress.check();
