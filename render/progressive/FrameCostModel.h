@@ -17,6 +17,8 @@ class FrameCostModel
 public:
     /// Points a first run draws when nothing is known yet.
     static constexpr std::uint64_t kFirstRun = 100'000;
+    /// A frame always draws at least so many, whatever its time: it must come on.
+    static constexpr std::uint64_t kLeastRun = 65'536;
 
     void observe(std::uint64_t points, double seconds) noexcept;
     /// Points that can be drawn in this time; at least 1.

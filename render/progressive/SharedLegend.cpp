@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which attribute, and which range, one legend tells for all clouds of a view; the rest of ProgressiveRenderer is
-// in ProgressiveRenderer.cpp.
-#include "render/progressive/Entry.h"
-#include "render/progressive/ProgressiveRenderer.h"
+#include "render/progressive/SharedLegend.h"
+
 #include "render/progressive/ShownValues.h"
 
 #include <algorithm>
@@ -36,44 +34,38 @@ std::pair<double, double> rangeOf(std::vector<double>& values)
 
 }  // namespace
 
-void ProgressiveRenderer::applyDisplay(Entry& entry)
+bool SharedLegend::show(ViewCloud& shownCloud, const std::string& name)
 {
-    if (m_display.attribute.empty()) return;
-    show(entry, m_display.attribute);
-}
-
-bool ProgressiveRenderer::show(Entry& entry, const std::string& name)
-{
-    const PointCloud& cloud = entry.store->cloud();
+    const PointCloud& cloud = shownCloud.store->cloud();
     const std::shared_lock lock(cloud.mutex());
     const Attribute* const wanted = cloud.findAttribute(name);
     if (wanted == nullptr || wanted->kind == AttributeKind::Opaque) return false;
-    if (entry.store->encoder()) {
-        const Attribute shown = entry.store->shown();
+    if (shownCloud.store->encoder()) {
+        const Attribute shown = shownCloud.store->shown();
         if (shown.name == wanted->name && shown.columns == wanted->columns) return false;
     }
-    entry.store->show(*wanted);
+    shownCloud.store->show(*wanted);
     return true;
 }
 
-std::string ProgressiveRenderer::shownAttribute() const
+std::string SharedLegend::shownAttribute(const ViewClouds& clouds, const DisplaySettings& display)
 {
-    std::string first = m_display.attribute;
+    std::string first = display.attribute;
     bool any = false;
-    for (const auto& entry : m_entries) {
+    for (const auto& entry : clouds) {
         const auto encoder = entry->store->encoder();
         if (!encoder) continue;
         const std::string& name = encoder->attribute().name;
-        if (name == m_display.attribute) return name;
+        if (name == display.attribute) return name;
         if (!std::exchange(any, true)) first = name;
     }
     return first;
 }
 
-std::string ProgressiveRenderer::scalarInLegend() const
+std::string SharedLegend::scalarOf(const ViewClouds& clouds, const DisplaySettings& display)
 {
-    std::string first, shown = shownAttribute();
-    for (const auto& entry : m_entries) {
+    std::string first, shown = shownAttribute(clouds, display);
+    for (const auto& entry : clouds) {
         const auto encoder = entry->store->encoder();
         if (!encoder || encoder->kind() != WordKind::Scalar) continue;
         if (encoder->attribute().name == shown) return shown;
@@ -82,42 +74,44 @@ std::string ProgressiveRenderer::scalarInLegend() const
     return first;
 }
 
-void ProgressiveRenderer::agreeOnAttribute()
+bool SharedLegend::agree(ViewClouds& clouds, const DisplaySettings& display)
 {
-    if (!std::exchange(m_agreementNeeded, false)) return;
-    const std::string name = scalarInLegend();
-    for (const auto& entry : m_entries) {
+    if (!std::exchange(m_agreementNeeded, false)) return false;
+    bool changed = false;
+    const std::string name = scalarOf(clouds, display);
+    for (const auto& entry : clouds) {
         const auto encoder = entry->store->encoder();
         if (!encoder)
             m_agreementNeeded = true;  // its first points have not come yet
         else if (encoder->kind() == WordKind::Scalar && encoder->attribute().name != name && show(*entry, name))
-            m_rangeNeeded = m_resolveNeeded = m_visibleOutdated = true;
+            m_rangeNeeded = changed = true;
     }
+    return changed;
 }
 
-void ProgressiveRenderer::updateRange()
+void SharedLegend::updateRange(ViewClouds& clouds, const DisplaySettings& display)
 {
     m_rangeNeeded = false;
-    const std::string name = scalarInLegend();
+    const std::string name = scalarOf(clouds, display);
     // A cloud that lacks the attribute of the legend shows another one, whose values are not to be mixed with
     // those.
     std::map<std::string, std::vector<double>> values;
-    for (const auto& entry : m_entries) {
+    for (const auto& entry : clouds) {
         PointStore& store = *entry->store;
         const auto encoder = store.encoder();
         entry->filledAtRange = store.filled();
         if (!encoder || encoder->kind() != WordKind::Scalar) continue;
-        if (m_display.range && encoder->attribute().name == name) continue;
+        if (display.range && encoder->attribute().name == name) continue;
         const std::shared_lock lock(store.cloud().mutex());
-        addShownValues(store, encoder->attribute(), m_display, kRangeSamples / m_entries.size() + 1,
+        addShownValues(store, encoder->attribute(), display, kRangeSamples / clouds.size() + 1,
                        values[encoder->attribute().name]);
     }
     std::map<std::string, std::pair<double, double>> ranges;
     for (auto& [attribute, numbers] : values)
         if (!numbers.empty()) ranges[attribute] = rangeOf(numbers);
     if (const auto found = ranges.find(name); found != ranges.end()) m_range = found->second;
-    if (m_display.range) m_range = *m_display.range;
-    for (const auto& entry : m_entries) {
+    if (display.range) m_range = *display.range;
+    for (const auto& entry : clouds) {
         entry->range = m_range;
         const auto encoder = entry->store->encoder();
         if (!encoder || encoder->attribute().name == name) continue;

@@ -54,7 +54,7 @@ struct ResolveSettings {
         int count = 0;  ///< of the whole background; 0: as many as the picture has
         friend bool operator==(const Rows&, const Rows&) = default;
     } rows;
-    bool means = false;       ///< samples show what RasterBackend::addColors() added up, where it did
+    bool means = false;       ///< samples show what Shading::addColors() added up, where it did
     bool closeHoles = false;  ///< see HoleFill.h
     EyeDomeSettings eyeDome;
 

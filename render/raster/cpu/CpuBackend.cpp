@@ -335,7 +335,7 @@ void CpuBackend::depths(std::vector<float>& out)
     });
 }
 
-std::optional<RasterBackend::Hit> CpuBackend::pick(int x, int y, int radius)
+std::optional<VisibilityBuffer::Hit> CpuBackend::pick(int x, int y, int radius)
 {
     std::optional<Hit> best;
     int bestDistance = radius * radius + 1;

@@ -126,7 +126,7 @@ private:
 /// Sets the uniforms of projection.glsl in the program that is in use.
 void useProjection(const LayerProjection& projection);
 
-/// Sets what colorOf() of color.glsl takes of a layer: uniforms 27, its kind, and 28, its range.
+/// Sets what colorOf() of color.glsl takes of a layer: its kind and its range.
 void useLayerColors(const LayerColors& colors);
 
 /// Sets the uniforms of size.glsl; `least` and `most`: steps that the device can draw.

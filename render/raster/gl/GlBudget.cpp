@@ -76,7 +76,7 @@ const GlVisibility::Band& GlBudget::decide(std::span<const Piece> pieces, Slot f
     return m_decided;
 }
 
-RasterBackend::Timed GlBudget::result() const
+PointDrawing::Timed GlBudget::result() const
 {
     Clock clock{};
     m_clock.read(0, &clock, sizeof clock, m_traffic);

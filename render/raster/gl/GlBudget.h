@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "render/raster/Backend.h"
+#include "render/raster/PointDrawing.h"
 #include "render/raster/gl/GlVisibility.h"
 
 #include <array>
@@ -37,7 +37,7 @@ public:
     const GlVisibility::Band& decide(std::span<const Piece> pieces, Slot firstSlots, std::uint32_t groupPoints,
                                      double seconds);
     /// Waits for Done.
-    RasterBackend::Timed result() const;
+    PointDrawing::Timed result() const;
     /// Where the clock is written: four times as 64 bits of nanoseconds, in the order of Moment.
     GlBuffer& clock();
 

@@ -3,6 +3,7 @@
 
 #include "render/gl/GlObjects.h"
 #include "render/raster/gl/GlVisibility.h"
+#include "render/scene/Image.h"
 #include "render/scene/ResolveSettings.h"
 
 #include <array>
@@ -35,7 +36,7 @@ public:
     void read(Image& out);
     /// To a texture of the picture's size, RGBA8.
     void copyTo(GlId texture, const TargetSize& size);
-    /// As RasterBackend::depths().
+    /// As VisibilityBuffer::depths().
     void depths(GlVisibility& visibility, std::vector<float>& out);
 
 private:

@@ -156,7 +156,7 @@ void GlVisibility::read(int x, int y, int width, int height, std::vector<Sample>
     m_scratch.read(0, out.data(), out.size() * sizeof(Sample), m_traffic);
 }
 
-std::optional<RasterBackend::Hit> GlVisibility::pick(int x, int y, int radius)
+std::optional<VisibilityBuffer::Hit> GlVisibility::pick(int x, int y, int radius)
 {
     if (empty() || radius < 0) return std::nullopt;
     radius = std::min(radius, 1024);
@@ -169,7 +169,7 @@ std::optional<RasterBackend::Hit> GlVisibility::pick(int x, int y, int radius)
     read(x0, y0, x1 - x0, y1 - y0, found);
 
     // The nearest pixel wins, in it the nearest point: as the CPU backend has it.
-    std::optional<RasterBackend::Hit> best;
+    std::optional<VisibilityBuffer::Hit> best;
     int bestDistance = radius * radius;
     std::size_t at = 0;
     for (int py = y0; py < y1; ++py)
@@ -179,7 +179,7 @@ std::optional<RasterBackend::Hit> GlVisibility::pick(int x, int y, int radius)
                 if (found[at].id == kNoPoint || distance > bestDistance) continue;
                 if (best && distance == bestDistance && found[at].depth >= best->depth) continue;
                 bestDistance = distance;
-                best = RasterBackend::Hit{found[at].id, found[at].depth};
+                best = VisibilityBuffer::Hit{found[at].id, found[at].depth};
             }
     return best;
 }

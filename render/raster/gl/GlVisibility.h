@@ -2,7 +2,7 @@
 #pragma once
 
 #include "render/gl/GlObjects.h"
-#include "render/raster/Backend.h"
+#include "render/raster/VisibilityBuffer.h"
 
 #include <array>
 #include <span>
@@ -54,7 +54,7 @@ public:
     /// Reads a band back; returns the commands, ids relative to their chunk in `list`.
     std::vector<Command> readBack(const Band& band, std::size_t chunks, std::vector<std::uint32_t>& list);
 
-    std::optional<RasterBackend::Hit> pick(int x, int y, int radius);
+    std::optional<VisibilityBuffer::Hit> pick(int x, int y, int radius);
     double coveredShare();
 
     /// Room for sums of colors, all 0, where there are none since clear() or clearSums().

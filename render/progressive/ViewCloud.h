@@ -1,32 +1,25 @@
 // SPDX-License-Identifier: MIT
-// What the parts of ProgressiveRenderer share; for them alone.
 #pragma once
 
-#include "render/progressive/ProgressiveRenderer.h"
+#include "render/store/PointStore.h"
 
-#include <chrono>
+#include <glm/vec3.hpp>
+
+#include <memory>
+#include <utility>
+#include <vector>
 
 namespace punctum::render
 {
 
-/// A frame always draws at least so many slots, whatever its time: it must come on.
-inline constexpr Slot kLeastRun = 65'536;
-
-/// Seconds of a clock that only goes forward.
-inline double now()
-{
-    using namespace std::chrono;
-    return duration<double>(steady_clock::now().time_since_epoch()).count();
-}
-
-/// One cloud of the view.
-struct ProgressiveRenderer::Entry {
+/// One cloud of a view, and how far drawing it has come. For the parts of ProgressiveRenderer alone.
+struct ViewCloud {
     std::shared_ptr<PointStore> store;
     bool loading = true;
     Slot cursor = 0;                            ///< next slot to draw; goes round
     Slot drawn = 0;                             ///< slots drawn in this pass, which shows the present view
     PointIndex filledAtStart = 0;               ///< points the store had when the pass began
-    Slot colored = 0;                           ///< slots whose colors were added, see RasterBackend::addColors()
+    Slot colored = 0;                           ///< slots whose colors were added, see Shading::addColors()
     PointIndex filledAtRange = 0;               ///< points the store had when the range was last computed
     std::pair<double, double> range{0.0, 1.0};  ///< of the attribute it shows
     double spacing = 0;                         ///< pointSpacing() of ...
@@ -41,5 +34,8 @@ struct ProgressiveRenderer::Entry {
     double share() const noexcept { return double(drawn) / double(store->slotCount()); }
     bool complete() const noexcept { return passDone() && filledAtStart == store->filled(); }
 };
+
+/// In the order of the layers of the scene.
+using ViewClouds = std::vector<std::unique_ptr<ViewCloud>>;
 
 }  // namespace punctum::render

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/cloud/Column.h"
+
+#include <cstdint>
+
+namespace punctum::render
+{
+
+/// What one call of ProgressiveRenderer::renderFrame() did.
+struct FrameReport {
+    double seconds = 0;      ///< from call to return
+    PointIndex filled = 0;   ///< slots drawn in the fill pass
+    double share = 0;        ///< of all slots drawn with the present camera, 0 to 1
+    bool converged = false;  ///< image equals the brute-force image and nothing streams
+    /// Seconds of its parts. Where the device keeps the time, of reprojecting and filling by its clock.
+    struct Passes {
+        double reproject = 0;  ///< what was visible, drawn anew
+        double fill = 0;       ///< further slots
+        double resolve = 0;    ///< colors, light, holes; the picture brought over, where it is
+        double stream = 0;     ///< words of another attribute, or after a change
+    } passes;
+    std::uint64_t bytesUp = 0;    ///< brought to the device ...
+    std::uint64_t bytesDown = 0;  ///< ... and back; 0 where the processor draws
+};
+
+}  // namespace punctum::render
