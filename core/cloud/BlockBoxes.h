@@ -61,4 +61,16 @@ private:
     std::atomic<PointIndex> m_included{0};
 };
 
+/// Calls f(stretch, firstWord, lastWord) for the stretches that words of a set over the cloud belong to, one after
+/// the other, with those of their words that are among these.
+template <typename F>
+void forStretches(std::size_t firstWord, std::size_t lastWord, F&& f)
+{
+    for (std::size_t first = firstWord, last = first; first < lastWord; first = last) {
+        const std::size_t stretch = first / BlockBoxes::kWords;
+        last = std::min(lastWord, (stretch + 1) * BlockBoxes::kWords);
+        f(stretch, first, last);
+    }
+}
+
 }  // namespace punctum

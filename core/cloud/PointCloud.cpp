@@ -36,6 +36,21 @@ void RawBounds::include(const RawBounds& other) noexcept
     max = glm::max(max, other.max);
 }
 
+bool RawBounds::holds(const RawBounds& other) const noexcept
+{
+    if (other.empty()) return true;
+    for (int axis = 0; axis < 3; ++axis)
+        if (other.min[axis] < min[axis] || other.max[axis] > max[axis]) return false;
+    return true;
+}
+
+bool RawBounds::meets(const RawBounds& other) const noexcept
+{
+    for (int axis = 0; axis < 3; ++axis)
+        if (std::max(min[axis], other.min[axis]) > std::min(max[axis], other.max[axis])) return false;
+    return true;
+}
+
 void WorldBounds::include(const WorldBounds& other) noexcept
 {
     if (other.empty()) return;

@@ -49,6 +49,10 @@ struct RawBounds {
     bool empty() const noexcept { return min.x > max.x; }
     void include(std::int64_t x, std::int64_t y, std::int64_t z) noexcept;
     void include(const RawBounds& other) noexcept;
+    /// Whether all of the other one lies within; of an empty one, yes.
+    bool holds(const RawBounds& other) const noexcept;
+    /// Whether they have any place in common.
+    bool meets(const RawBounds& other) const noexcept;
     friend bool operator==(const RawBounds&, const RawBounds&) = default;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/cloud/PointFigures.h"
 
+#include "core/cloud/BlockBoxes.h"
 #include "core/cloud/PointSet.h"
 #include "core/cloud/Slabs.h"
 #include "core/task/Progress.h"
@@ -81,14 +82,6 @@ struct Counts {
     }
 };
 
-/// Bits of a word's points that count.
-std::uint64_t counted(const PointCloud& cloud, const PointSet* leftOut, std::size_t word)
-{
-    const PointIndex rest = cloud.size() - PointIndex(word) * kBlock;
-    const std::uint64_t all = rest >= kBlock ? ~std::uint64_t(0) : (std::uint64_t(1) << rest) - 1;
-    return leftOut == nullptr ? all : all & ~leftOut->words()[word];
-}
-
 /// Calls f(k) for each set bit k.
 template <typename F>
 void forBits(std::uint64_t bits, F f)
@@ -100,6 +93,23 @@ void forBits(std::uint64_t bits, F f)
     for (; bits != 0; bits &= bits - 1) f(std::size_t(std::countr_zero(bits)));
 }
 
+/// Includes the coordinates of a word's points.
+void includeWord(const PointCloud& cloud, std::size_t word, std::uint64_t bits, RawBounds& bounds)
+{
+    const std::int32_t* const axes[3] = {cloud.rawX().data(), cloud.rawY().data(), cloud.rawZ().data()};
+    for (int axis = 0; axis < 3; ++axis) {
+        std::int32_t low = INT32_MAX, high = INT32_MIN;
+        const std::int32_t* const raw = axes[axis] + word * kBlock;
+        forBits(bits, [&](std::size_t k) {
+            low = std::min(low, raw[k]);
+            high = std::max(high, raw[k]);
+        });
+        bounds.min[axis] = std::min<std::int64_t>(bounds.min[axis], low);
+        bounds.max[axis] = std::max<std::int64_t>(bounds.max[axis], high);
+    }
+}
+
+/// Counts a word's points, but for where they are.
 void countWord(const PointCloud& cloud, const Fields& fields, std::size_t word, std::uint64_t bits, Counts& c)
 {
     const PointRange range{word * kBlock, std::min<PointIndex>(cloud.size(), word * kBlock + kBlock)};
@@ -107,17 +117,6 @@ void countWord(const PointCloud& cloud, const Fields& fields, std::size_t word, 
     std::uint32_t wide[kBlock] = {};
     double numbers[kBlock] = {};
     c.f.points += std::uint64_t(std::popcount(bits));
-    const std::int32_t* const axes[3] = {cloud.rawX().data(), cloud.rawY().data(), cloud.rawZ().data()};
-    for (int axis = 0; axis < 3; ++axis) {
-        std::int32_t low = INT32_MAX, high = INT32_MIN;
-        const std::int32_t* const raw = axes[axis] + range.first;
-        forBits(bits, [&](std::size_t k) {
-            low = std::min(low, raw[k]);
-            high = std::max(high, raw[k]);
-        });
-        c.f.bounds.min[axis] = std::min<std::int64_t>(c.f.bounds.min[axis], low);
-        c.f.bounds.max[axis] = std::max<std::int64_t>(c.f.bounds.max[axis], high);
-    }
     if (fields.classes) {
         fields.classes->gatherBits(range, a);
         forBits(bits, [&](std::size_t k) { ++c.f.classes[a[k]]; });
@@ -257,7 +256,7 @@ void measureExtent(const PointCloud& cloud, const PointSet* leftOut, PointFigure
         const CoordinateScale grid = cloud.coordinates();
         std::uint64_t far = 0, inside = 0;
         for (std::size_t w = first; w != last; ++w)
-            forBits(counted(cloud, leftOut, w), [&](std::size_t k) {
+            forBits(shownBits(cloud.size(), leftOut, w), [&](std::size_t k) {
                 const PointIndex i = PointIndex(w) * kBlock + k;
                 const glm::dvec3 p = grid.toWorld(glm::dvec3(cloud.rawX()[i], cloud.rawY()[i], cloud.rawZ()[i]));
                 far += p.x < near.min.x || p.x > near.max.x || p.y < near.min.y || p.y > near.max.y ||
@@ -285,14 +284,24 @@ void measureExtent(const PointCloud& cloud, const PointSet* leftOut, PointFigure
 PointFigures computePointFigures(const PointCloud& cloud, const PointSet* leftOut, Progress& progress)
 {
     const Fields fields(cloud);
+    const auto boxes = cloud.boxes();
     progress.begin("Counting points", cloud.size());
     std::mutex mutex;
     Counts all;
     forEachSlab(cloud, progress, [&](std::size_t first, std::size_t last) {
         const auto counts = std::make_unique<Counts>();
-        for (std::size_t w = first; w != last; ++w)
-            if (const std::uint64_t bits = counted(cloud, leftOut, w); bits != 0)
+        forStretches(first, last, [&](std::size_t stretch, std::size_t begin, std::size_t end) {
+            const RawBounds box = (*boxes)[stretch];
+            if (shownIn(cloud.size(), leftOut, begin, end) == boxes->points(stretch).size())
+                counts->f.bounds.include(box);
+            const bool known = counts->f.bounds.holds(box);
+            for (std::size_t w = begin; w != end; ++w) {
+                const std::uint64_t bits = shownBits(cloud.size(), leftOut, w);
+                if (bits == 0) continue;
+                if (!known) includeWord(cloud, w, bits, counts->f.bounds);
                 countWord(cloud, fields, w, bits, *counts);
+            }
+        });
         const std::lock_guard lock(mutex);
         all.add(*counts);
     });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/cloud/Section.h"
 
+#include "core/cloud/BlockBoxes.h"
 #include "core/cloud/Slabs.h"
 #include "core/task/Progress.h"
 
@@ -106,21 +107,29 @@ ShownHeights shownHeights(const PointCloud& cloud, const PointSet* hidden, Progr
     std::int32_t low = INT32_MAX, high = INT32_MIN;
     std::mutex gate;
     const auto z = cloud.rawZ();
+    const auto boxes = cloud.boxes();
     progress.begin("Finding heights", cloud.size());
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
         PointIndex count = 0;
         std::int32_t least = INT32_MAX, most = INT32_MIN;
-        for (std::size_t w = firstWord; w != lastWord; ++w) {
-            const PointIndex rest = cloud.size() - PointIndex(w) * 64;
-            std::uint64_t bits = rest >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << rest) - 1;
-            if (hidden != nullptr) bits &= ~hidden->words()[w];
-            count += PointIndex(std::popcount(bits));
-            for (; bits != 0; bits &= bits - 1) {
-                const std::int32_t value = z[w * 64 + std::size_t(std::countr_zero(bits))];
-                least = std::min(least, value);
-                most = std::max(most, value);
+        forStretches(firstWord, lastWord, [&](std::size_t stretch, std::size_t first, std::size_t last) {
+            const PointIndex shown = shownIn(cloud.size(), hidden, first, last);
+            if (shown == 0) return;
+            count += shown;
+            const RawBounds box = (*boxes)[stretch];
+            if (box.min.z >= least && box.max.z <= most) return;
+            if (shown == boxes->points(stretch).size()) {  // there are points at the least and the greatest height
+                least = std::min(least, std::int32_t(box.min.z));
+                most = std::max(most, std::int32_t(box.max.z));
+                return;
             }
-        }
+            for (std::size_t w = first; w != last; ++w)
+                for (std::uint64_t bits = shownBits(cloud.size(), hidden, w); bits != 0; bits &= bits - 1) {
+                    const std::int32_t value = z[w * 64 + std::size_t(std::countr_zero(bits))];
+                    least = std::min(least, value);
+                    most = std::max(most, value);
+                }
+        });
         const std::lock_guard lock(gate);
         points += count;
         low = std::min(low, least);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/cloud/ShownExtent.h"
 
+#include "core/cloud/BlockBoxes.h"
 #include "core/cloud/Slabs.h"
 #include "core/task/Progress.h"
 
@@ -32,10 +33,7 @@ void forEachShown(const PointCloud& cloud, const RawBounds& box, const PointSet*
 {
     const auto x = cloud.rawX(), y = cloud.rawY(), z = cloud.rawZ();
     for (std::size_t w = firstWord; w != lastWord; ++w) {
-        const PointIndex rest = cloud.size() - PointIndex(w) * 64;
-        std::uint64_t bits = rest >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << rest) - 1;
-        if (hidden != nullptr) bits &= ~hidden->words()[w];
-        for (; bits != 0; bits &= bits - 1) {
+        for (std::uint64_t bits = shownBits(cloud.size(), hidden, w); bits != 0; bits &= bits - 1) {
             const PointIndex i = w * 64 + std::size_t(std::countr_zero(bits));
             const bool inside = (x[i] >= box.min.x) & (x[i] <= box.max.x) & (y[i] >= box.min.y) &
                                 (y[i] <= box.max.y) & (z[i] >= box.min.z) & (z[i] <= box.max.z);
@@ -53,13 +51,27 @@ struct Counted {
 Counted countIn(const PointCloud& cloud, const RawBounds& box, const PointSet* hidden, Progress& progress)
 {
     const auto x = cloud.rawX(), y = cloud.rawY(), z = cloud.rawZ();
+    const auto boxes = cloud.boxes();
     Counted all;
     std::mutex gate;
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
         Counted part;
-        forEachShown(cloud, box, hidden, firstWord, lastWord, [&](PointIndex i) {
-            part.bounds.include(x[i], y[i], z[i]);
-            ++part.points;
+        forStretches(firstWord, lastWord, [&](std::size_t stretch, std::size_t first, std::size_t last) {
+            const RawBounds here = (*boxes)[stretch];
+            if (!box.meets(here)) return;
+            if (box.holds(here)) {
+                const PointIndex shown = shownIn(cloud.size(), hidden, first, last);
+                const bool whole = shown == boxes->points(stretch).size();
+                if (whole) part.bounds.include(here);
+                if (whole || shown == 0 || part.bounds.holds(here)) {
+                    part.points += shown;
+                    return;
+                }
+            }
+            forEachShown(cloud, box, hidden, first, last, [&](PointIndex i) {
+                part.bounds.include(x[i], y[i], z[i]);
+                ++part.points;
+            });
         });
         const std::lock_guard lock(gate);
         all.bounds.include(part.bounds);
@@ -81,15 +93,31 @@ Sample sampleOf(const PointCloud& cloud, const RawBounds& box, const PointSet* h
                                     ? std::numeric_limits<std::uint64_t>::max()
                                     : std::numeric_limits<std::uint64_t>::max() / points * kExtentSamples;
     const auto x = cloud.rawX(), y = cloud.rawY(), z = cloud.rawZ();
+    const auto boxes = cloud.boxes();
     Sample all;
     std::mutex gate;
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
         Sample part;
-        forEachShown(cloud, box, hidden, firstWord, lastWord, [&](PointIndex i) {
-            if (i * kGolden > bound) return;
+        const auto take = [&](PointIndex i) {
             part[0].push_back(x[i]);
             part[1].push_back(y[i]);
             part[2].push_back(z[i]);
+        };
+        forStretches(firstWord, lastWord, [&](std::size_t stretch, std::size_t first, std::size_t last) {
+            const RawBounds here = (*boxes)[stretch];
+            if (!box.meets(here)) return;
+            if (!box.holds(here)) {
+                forEachShown(cloud, box, hidden, first, last, [&](PointIndex i) {
+                    if (i * kGolden <= bound) take(i);
+                });
+                return;
+            }
+            // Coordinates need not be looked at to tell whether a point is taken.
+            for (std::size_t w = first; w != last; ++w)
+                for (std::uint64_t bits = shownBits(cloud.size(), hidden, w); bits != 0; bits &= bits - 1) {
+                    const PointIndex i = w * 64 + std::size_t(std::countr_zero(bits));
+                    if (i * kGolden <= bound) take(i);
+                }
         });
         const std::lock_guard lock(gate);
         for (std::size_t axis = 0; axis < 3; ++axis)
@@ -124,13 +152,6 @@ RawBounds fenceOf(Sample& sample, const glm::dvec3& unit)
     return fence;
 }
 
-bool holds(const RawBounds& outer, const RawBounds& inner)
-{
-    for (int axis = 0; axis < 3; ++axis)
-        if (inner.min[axis] < outer.min[axis] || inner.max[axis] > outer.max[axis]) return false;
-    return true;
-}
-
 }  // namespace
 
 void ShownExtent::include(const ShownExtent& other) noexcept
@@ -156,7 +177,7 @@ ShownExtent shownExtent(const PointCloud& cloud, const RawBounds& readable, cons
     if (sample[0].size() < kFewest) return extent;
     const RawBounds fence = fenceOf(sample, glm::abs(grid.scale) * stretch);
     // Of points that all lie in one place, but for some, nobody can say which are meant.
-    if (holds(fence, shown.bounds) || fence.min == fence.max) return extent;
+    if (fence.holds(shown.bounds) || fence.min == fence.max) return extent;
     RawBounds inside;
     inside.min = glm::max(fence.min, readable.min);
     inside.max = glm::min(fence.max, readable.max);

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/cloud/PointSet.h"
+
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -21,6 +25,25 @@ inline constexpr std::size_t kTaskWords = 1024;
 /// has begun. Throws Cancelled.
 void forEachSlab(const PointCloud& cloud, Progress& progress,
                  const std::function<void(std::size_t firstWord, std::size_t lastWord)>& task);
+
+/// The points of a word of a set over `points` points that are not in `hidden`; null: none is.
+inline std::uint64_t shownBits(PointIndex points, const PointSet* hidden, std::size_t word) noexcept
+{
+    const PointIndex rest = points - PointIndex(word) * 64;
+    const std::uint64_t all = rest >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << rest) - 1;
+    return hidden == nullptr ? all : all & ~hidden->words()[word];
+}
+
+/// How many there are in some words.
+inline PointIndex shownIn(PointIndex points, const PointSet* hidden, std::size_t firstWord,
+                          std::size_t lastWord) noexcept
+{
+    if (hidden == nullptr) return std::min(points, PointIndex(lastWord) * 64) - PointIndex(firstWord) * 64;
+    PointIndex shown = 0;
+    for (std::size_t w = firstWord; w != lastWord; ++w)
+        shown += PointIndex(std::popcount(shownBits(points, hidden, w)));
+    return shown;
+}
 
 /// 64 bytes of 0 or 1 -> 64 bits, the first byte the lowest bit.
 inline std::uint64_t packFlags(const std::uint8_t* flags) noexcept

@@ -46,9 +46,10 @@ struct Visibility {
     Visibility() { classVisible.fill(true); }
 };
 
-/// All points that it hides, and those that are deleted, in parallel; null when there are none. Takes cloud.mutex()
-/// shared for some 20 ms at a time. Throws Cancelled. `among`: only points near these are looked at, and others may
-/// be missing; null: all.
+/// All points that it hides, and those that are deleted, in parallel; null when there are none. Of stretches of the
+/// file that lie on one side of the clip with their boxes no coordinates are looked at. Takes cloud.mutex() shared
+/// for some 20 ms at a time. Throws Cancelled. `among`: only points near these are looked at, and others may be
+/// missing; null: all.
 std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility& visibility, Progress& progress,
                                        const PointSet* among = nullptr);
 

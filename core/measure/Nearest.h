@@ -19,8 +19,8 @@ struct NearPoint {
 };
 
 /// The `count` points nearest to `point`, itself left out, nearest first (of equally near ones those of lower
-/// index), by a look at all points, in parallel: 20 M take some 20 ms, and there is no index to build. `stretch`:
-/// as for quantitiesOf. Takes cloud.mutex() shared. Throws Cancelled.
+/// index), by a look at the points of those stretches of the file whose boxes are near enough, in parallel: there
+/// is no index to build. `stretch`: as for quantitiesOf. Takes cloud.mutex() shared. Throws Cancelled.
 std::vector<NearPoint> nearestTo(const PointCloud& cloud, PointIndex point, std::size_t count,
                                  const glm::dvec3& stretch, Progress& progress);
 

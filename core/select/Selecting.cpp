@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "core/select/Selecting.h"
 
+#include "core/cloud/BlockBoxes.h"
+#include "core/cloud/LinearSide.h"
 #include "core/cloud/Slabs.h"
 #include "core/process/KdOrder.h"
 #include "core/task/Progress.h"
@@ -22,6 +24,7 @@ namespace punctum
 namespace
 {
 
+constexpr double kRounding = 1e-12;       ///< of a few operations in double, as a share of their terms
 constexpr std::size_t kProjected = 1024;  ///< points projected at a time: fills the first cache, and is vectorized
 
 /// Projects blocks of points, and looks up their px.
@@ -35,9 +38,36 @@ public:
           m_y(cloud.rawY().data()),
           m_z(cloud.rawZ().data())
     {
+        const PictureProjection& p = region.projection;
+        const auto row = [](const glm::dvec4& r) { return LinearSide(glm::dvec3(r), r.w); };
+        const LinearSide x = row(p.rowX), y = row(p.rowY), depth = row(p.rowD), nothing(glm::dvec3(0.0), 0.0);
+        const double nearest = std::max(p.nearDepth, region.nearest);
+        if (std::isfinite(nearest)) m_sides.push_back(LinearSide(depth).add(-nearest));
+        if (std::isfinite(region.furthest))
+            m_sides.push_back(LinearSide(nothing).add(depth, -1.0).add(region.furthest));
+        // x_px >= at, times the depth: of places before the eye alone
+        if (p.perspective && !(nearest > 0.0)) return;
+        const auto edge = [&](const LinearSide& along, double sign, double at) {
+            LinearSide side = LinearSide(nothing).add(along, sign);
+            m_sides.push_back(p.perspective ? side.add(depth, -sign * at) : side.add(-sign * at));
+        };
+        edge(x, 1.0, m_box.left);
+        edge(x, -1.0, m_box.right);
+        edge(y, 1.0, m_box.top);
+        edge(y, -1.0, m_box.bottom);
     }
 
     bool empty() const noexcept { return m_box.empty(); }
+
+    /// Whether no point of a box of raw coordinates can be inside.
+    bool misses(const RawBounds& box) const
+    {
+        const glm::dvec3 low = glm::dvec3(box.min) - m_region.projection.base,
+                         high = glm::dvec3(box.max) - m_region.projection.base;
+        return std::any_of(m_sides.begin(), m_sides.end(), [&](const LinearSide& side) {
+            return side.of(low, high, kRounding) == LinearSide::Box::Outside;
+        });
+    }
 
     /// 1 for the points inside; of kProjected values those behind points.size() are 0.
     void test(PointRange points, std::uint8_t* flags) const
@@ -77,6 +107,7 @@ private:
     const Region& m_region;
     ScreenMask::Box m_box;
     const std::int32_t *m_x, *m_y, *m_z;
+    std::vector<LinearSide> m_sides;  ///< what is outside of one of them is not in the region; of raw - base
 };
 
 /// Looks at the classes of the points of one word after another.
@@ -168,17 +199,21 @@ PointSet pointsIn(const Region& region, const PointCloud& cloud, const Touchable
     const RegionTest inside(region, cloud);
     progress.begin("Selecting", cloud.size());
     if (inside.empty()) return points;
+    const auto boxes = cloud.boxes();
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
         constexpr std::size_t kBlockWords = kProjected / 64;
         const TouchTest touch(cloud, touchable);
         alignas(64) std::array<std::uint8_t, kProjected> flags;
-        for (std::size_t w = firstWord; w < lastWord; w += kBlockWords) {
-            const std::size_t end = std::min(lastWord, w + kBlockWords);
-            inside.test({PointIndex(w) * 64, std::min(cloud.size(), PointIndex(end) * 64)}, flags.data());
-            for (std::size_t k = w; k < end; ++k)
-                if (const std::uint64_t bits = packFlags(flags.data() + (k - w) * 64); bits != 0)
-                    points.words()[k] = touch(k, bits);
-        }
+        forStretches(firstWord, lastWord, [&](std::size_t stretch, std::size_t first, std::size_t last) {
+            if (inside.misses((*boxes)[stretch])) return;
+            for (std::size_t w = first; w < last; w += kBlockWords) {
+                const std::size_t end = std::min(last, w + kBlockWords);
+                inside.test({PointIndex(w) * 64, std::min(cloud.size(), PointIndex(end) * 64)}, flags.data());
+                for (std::size_t k = w; k < end; ++k)
+                    if (const std::uint64_t bits = packFlags(flags.data() + (k - w) * 64); bits != 0)
+                        points.words()[k] = touch(k, bits);
+            }
+        });
     });
     return points;
 }

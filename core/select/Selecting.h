@@ -44,8 +44,9 @@ struct Touchable {
     Touchable() { classes.fill(true); }
 };
 
-/// The points that lie in the region and may be touched. Parallel; some 3 ns a point and core. Takes cloud.mutex()
-/// shared for some 20 ms at a time. Throws Cancelled.
+/// The points that lie in the region and may be touched. Parallel; some 3 ns a point and core, for points of those
+/// stretches of the file alone whose box the region meets. Takes cloud.mutex() shared for some 20 ms at a time.
+/// Throws Cancelled.
 PointSet pointsIn(const Region& region, const PointCloud& cloud, const Touchable& touchable, Progress& progress);
 
 /// Takes the points that may not be touched out of the set.

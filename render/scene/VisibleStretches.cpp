@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "render/scene/VisibleStretches.h"
 
+#include "core/cloud/LinearSide.h"
 #include "render/scene/FrameScene.h"
 #include "render/scene/TargetSize.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 namespace punctum::render
 {
@@ -18,47 +17,22 @@ namespace
 /// float.
 constexpr double kRounding = 1e-5;
 
-/// A linear function of q = local - reference that is negative outside of something.
-struct Side {
-    glm::dvec3 normal{0.0};
-    double constant = 0.0;
-};
-
-/// Whether it is negative in all of the box, whatever the rounding.
-bool outside(const Side& side, const glm::dvec3& low, const glm::dvec3& high)
-{
-    double greatest = side.constant, size = std::abs(side.constant);
-    for (int axis = 0; axis < 3; ++axis) {
-        const double a = side.normal[axis] * low[axis], b = side.normal[axis] * high[axis];
-        greatest += std::max(a, b);
-        size += std::max(std::abs(a), std::abs(b));
-    }
-    return greatest < -kRounding * size;
-}
-
-/// Of what is drawn: in front, in the picture with the widest point's margin, within the planes.
-std::vector<Side> sidesOf(const Layer& layer, const TargetSize& size)
+/// Of what is drawn: in front, in the picture with the widest point's margin, within the planes. Of places relative
+/// to the projection's reference.
+std::vector<LinearSide> sidesOf(const Layer& layer, const TargetSize& size)
 {
     const LayerProjection& p = layer.projection;
-    const auto row = [](const glm::vec4& r) { return Side{glm::dvec3(r), double(r.w)}; };
-    const Side x = row(p.rowX), y = row(p.rowY), depth = row(p.rowD);
-    // x_px >= low, times the depth, which is above 0 for all that is drawn; so for the other edges
-    const auto edge = [&](const Side& along, double sign, double at) {
-        Side side{sign * along.normal, sign * along.constant};
-        if (p.perspective) {
-            side.normal -= sign * at * depth.normal;
-            side.constant -= sign * at * depth.constant;
-        } else {
-            side.constant -= sign * at;
-        }
-        return side;
+    const auto row = [](const glm::vec4& r) { return LinearSide(glm::dvec3(r), double(r.w)); };
+    const LinearSide x = row(p.rowX), y = row(p.rowY), depth = row(p.rowD), nothing(glm::dvec3(0.0), 0.0);
+    // x_px >= at, times the depth, which is above 0 for all that is drawn; so for the other edges
+    const auto edge = [&](const LinearSide& along, double sign, double at) {
+        LinearSide side = LinearSide(nothing).add(along, sign);
+        return p.perspective ? side.add(depth, -sign * at) : side.add(-sign * at);
     };
     const double margin = double(p.margin()) + 1.0;
-    std::vector<Side> sides{{depth.normal, depth.constant - double(p.nearDepth)},
-                            edge(x, 1.0, -margin),
-                            edge(x, -1.0, size.width + margin),
-                            edge(y, 1.0, -margin),
-                            edge(y, -1.0, size.height + margin)};
+    std::vector<LinearSide> sides{LinearSide(depth).add(-double(p.nearDepth)), edge(x, 1.0, -margin),
+                                  edge(x, -1.0, size.width + margin), edge(y, 1.0, -margin),
+                                  edge(y, -1.0, size.height + margin)};
     if (layer.clip.on)
         for (std::size_t k = 0; k < layer.clip.planeCount; ++k) sides.push_back(row(layer.clip.planes[k]));
     return sides;
@@ -73,7 +47,7 @@ VisibleStretches::VisibleStretches(const Layer& layer, const TargetSize& size)
     const std::size_t stretches = store.stretches();
     if (stretches == 0) return;
     const Slot stretchPlaces = store.stretchPlaces();
-    const std::vector<Side> sides = sidesOf(layer, size);
+    const std::vector<LinearSide> sides = sidesOf(layer, size);
     m_bits.assign((stretches + 31) / 32, 0);
     const auto boxes = store.boxes();
     std::uint64_t seen = 0;
@@ -89,7 +63,10 @@ VisibleStretches::VisibleStretches(const Layer& layer, const TargetSize& size)
         }
         const glm::dvec3 reference(layer.projection.reference);
         const glm::dvec3 low = glm::dvec3(box.low) - reference, high = glm::dvec3(box.high) - reference;
-        if (std::any_of(sides.begin(), sides.end(), [&](const Side& s) { return outside(s, low, high); })) continue;
+        if (std::any_of(sides.begin(), sides.end(), [&](const LinearSide& s) {
+                return s.of(low, high, kRounding) == LinearSide::Box::Outside;
+            }))
+            continue;
         m_bits[k / 32] |= 1u << (k % 32);
         const Slot first = Slot(k) * stretchPlaces, last = std::min(m_window, first + stretchPlaces);
         if (!m_places.empty() && m_places.back().last == first)
