@@ -70,6 +70,25 @@ bool isNoData(const Attribute& a, T raw)
         *a.noData);
 }
 
+/// Calls none(i) for the points of the range that have no value, since their file lacks the attribute and no edit
+/// has given them one.
+template <typename T, typename F>
+void forEachWithoutValue(const Column& column, const RawReader<T>& raw, PointRange range, const F& none)
+{
+    for (const PointRange& lacking : column.absent()) {
+        const PointIndex last = std::min(lacking.last, range.last);
+        for (PointIndex i = std::max(lacking.first, range.first); i < last; ++i)
+            if (raw(i) == T(0)) none(i);
+    }
+}
+
+/// The same of one point.
+template <typename T>
+bool hasNoValue(const Column& column, const RawReader<T>& raw, PointIndex i)
+{
+    return !column.absent().empty() && raw(i) == T(0) && column.isAbsent(i);
+}
+
 DecimalScale stepsOf(const Attribute& a)
 {
     return a.scaled ? DecimalScale(a.scale, a.offset) : DecimalScale();
@@ -142,7 +161,16 @@ Value Attribute::value(PointIndex index, std::uint32_t component) const
 double Attribute::number(PointIndex index, std::uint32_t component) const
 {
     return visitScalar(columns[component]->type(), [&](auto zero) {
-        return numberOf(*this, stepsOf(*this), RawReader<decltype(zero)>(*this, component)(index));
+        const RawReader<decltype(zero)> raw(*this, component);
+        return hasNoValue(*columns[component], raw, index) ? std::numeric_limits<double>::quiet_NaN()
+                                                           : numberOf(*this, stepsOf(*this), raw(index));
+    });
+}
+
+bool Attribute::lacks(PointIndex index, std::uint32_t component) const
+{
+    return visitScalar(columns[component]->type(), [&](auto zero) {
+        return hasNoValue(*columns[component], RawReader<decltype(zero)>(*this, component), index);
     });
 }
 
@@ -153,6 +181,16 @@ std::uint64_t Attribute::maxBits() const noexcept
 }
 
 void Attribute::read(PointRange range, double* out, std::uint32_t component) const
+{
+    readStored(range, out, component);
+    if (columns[component]->absent().empty()) return;
+    visitScalar(columns[component]->type(), [&](auto zero) {
+        forEachWithoutValue(*columns[component], RawReader<decltype(zero)>(*this, component), range,
+                            [&](PointIndex i) { out[i - range.first] = std::numeric_limits<double>::quiet_NaN(); });
+    });
+}
+
+void Attribute::readStored(PointRange range, double* out, std::uint32_t component) const
 {
     visitScalar(columns[component]->type(), [&](auto zero) {
         using T = decltype(zero);
@@ -197,6 +235,10 @@ void gatherNumbers(const Attribute& a, const Indices& indices, double bias, floa
         const RawReader<decltype(zero)> raw(a, component);
         const DecimalScale steps = stepsOf(a);
         for (std::size_t k = 0; k < indices.size(); ++k) out[k] = float(numberOf(a, steps, raw(indices[k])) - bias);
+        if (a.columns[component]->absent().empty()) return;
+        for (std::size_t k = 0; k < indices.size(); ++k)
+            if (hasNoValue(*a.columns[component], raw, indices[k]))
+                out[k] = std::numeric_limits<float>::quiet_NaN();
     });
 }
 
@@ -263,12 +305,14 @@ AttributeStatistics computeStatistics(const Attribute& attribute, std::uint32_t 
                 if (progress.cancelled()) return e;
                 double sum = 0;
                 const bool plain = !attribute.noData, every = leftOut == nullptr;
+                const Column& column = *attribute.columns[component];
                 for (PointIndex i = r.begin(); i != r.end(); ++i) {
                     if (!every && leftOut->contains(i)) continue;
                     const T v = raw(i);
                     if constexpr (std::is_floating_point_v<T>)
                         if (std::isnan(v)) continue;
                     if (!plain && isNoData(attribute, v)) continue;
+                    if (hasNoValue(column, raw, i)) continue;
                     e.include(v);
                     sum += double(v);
                 }
@@ -304,7 +348,8 @@ std::array<std::uint64_t, 256> countValues(const Attribute& attribute, Progress&
                 if constexpr (std::is_integral_v<T>)
                     if (!progress.cancelled())
                         for (PointIndex i = r.begin(); i != r.end(); ++i)
-                            if (leftOut == nullptr || !leftOut->contains(i))
+                            if ((leftOut == nullptr || !leftOut->contains(i)) &&
+                                !hasNoValue(*attribute.columns[0], raw, i))
                                 ++c[std::min<std::uint64_t>(255, std::uint64_t(raw(i)))];
                 return c;
             },

@@ -60,8 +60,10 @@ struct Attribute {
 
     /// Exact value of one point; meant for single points (lists, picking).
     Value value(PointIndex index, std::uint32_t component = 0) const;
-    /// value() as a double. NaN for no-data.
+    /// value() as a double. NaN for no-data, and for points whose file lacks the attribute.
     double number(PointIndex index, std::uint32_t component = 0) const;
+    /// Whether the point has no value, since its file lacks the attribute (Column::absent()).
+    bool lacks(PointIndex index, std::uint32_t component = 0) const;
     /// Largest raw value the field can hold (31 for Classification of point formats 0-5).
     std::uint64_t maxBits() const noexcept;
 
@@ -75,6 +77,9 @@ struct Attribute {
     void gatherBits(std::span<const std::uint32_t> indices, std::uint32_t* out, std::uint32_t component = 0) const;
     void gatherBits(PointRange range, std::uint32_t* out, std::uint32_t component = 0) const;
     void gatherBits(PointRange range, std::uint8_t* out, std::uint32_t component = 0) const;
+
+private:
+    void readStored(PointRange range, double* out, std::uint32_t component) const;
 };
 
 /// What can be computed of one component over all points.

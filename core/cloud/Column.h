@@ -4,11 +4,15 @@
 #include "core/cloud/Buffer.h"
 #include "core/cloud/ScalarType.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
+#include <vector>
 
 namespace punctum
 {
@@ -31,6 +35,9 @@ struct PointRange {
 /// Bit-packed bytes stay bytes; undocumented extra bytes are one column of `components` bytes a point.
 /// Shape: size() x components() of type(), contiguous, point after point. Not synchronized: see
 /// PointCloud::mutex().
+///
+/// In a cloud of many files some may lack a field: their points are said to be `absent` and hold 0 until an edit
+/// gives them a value.
 class Column
 {
 public:
@@ -40,9 +47,25 @@ public:
           m_type(type),
           m_components(components),
           m_size(size),
-          m_buffer(size * components * sizeOf(type))
+          m_buffer(size * components * sizeOf(type)),
+          m_data(m_buffer.data())
     {
     }
+    /// The points `range` of another column, under a name of its own: the same memory, which it keeps alive.
+    Column(std::string name, std::shared_ptr<Column> whole, PointRange range)
+        : m_name(std::move(name)),
+          m_type(whole->type()),
+          m_components(whole->components()),
+          m_size(range.size()),
+          m_whole(std::move(whole)),
+          m_data(m_whole->data() + range.first * m_whole->elementBytes())
+    {
+    }
+    Column(Column&&) noexcept = default;
+    Column& operator=(Column&&) noexcept = default;
+    ~Column() = default;
+    Column(const Column&) = delete;
+    Column& operator=(const Column&) = delete;
 
     const std::string& name() const noexcept { return m_name; }
     ScalarType type() const noexcept { return m_type; }
@@ -51,21 +74,32 @@ public:
     /// Bytes of one point's element, all components.
     std::size_t elementBytes() const noexcept { return m_components * sizeOf(m_type); }
 
-    std::byte* data() noexcept { return m_buffer.data(); }
-    const std::byte* data() const noexcept { return m_buffer.data(); }
+    std::byte* data() noexcept { return m_data; }
+    const std::byte* data() const noexcept { return m_data; }
+
+    /// Points of files that lack the field, as ranges in rising order; set before other threads see the column.
+    const std::vector<PointRange>& absent() const noexcept { return m_absent; }
+    void setAbsent(std::vector<PointRange> ranges) { m_absent = std::move(ranges); }
+    /// Whether the point is of a file that lacks the field.
+    bool isAbsent(PointIndex i) const noexcept
+    {
+        const auto after = std::upper_bound(m_absent.begin(), m_absent.end(), i,
+                                            [](PointIndex p, const PointRange& r) { return p < r.last; });
+        return after != m_absent.end() && after->first <= i;
+    }
 
     /// The values, size() x components(); T must be the C++ type of type().
     template <typename T>
     std::span<T> values() noexcept
     {
         assert(sizeof(T) == sizeOf(m_type) && std::is_floating_point_v<T> == isFloating(m_type));
-        return {reinterpret_cast<T*>(m_buffer.data()), m_size * m_components};
+        return {reinterpret_cast<T*>(m_data), m_size * m_components};
     }
     template <typename T>
     std::span<const T> values() const noexcept
     {
         assert(sizeof(T) == sizeOf(m_type) && std::is_floating_point_v<T> == isFloating(m_type));
-        return {reinterpret_cast<const T*>(m_buffer.data()), m_size * m_components};
+        return {reinterpret_cast<const T*>(m_data), m_size * m_components};
     }
 
 private:
@@ -73,7 +107,10 @@ private:
     ScalarType m_type;
     std::uint32_t m_components;
     PointIndex m_size;
-    Buffer m_buffer;
+    Buffer m_buffer;                  ///< empty where the memory is another column's
+    std::shared_ptr<Column> m_whole;  ///< that one
+    std::byte* m_data;
+    std::vector<PointRange> m_absent;
 };
 
 }  // namespace punctum

@@ -81,6 +81,12 @@ struct CoordinateScale {
     WorldBounds headerBox(const RawBounds& raw) const noexcept;
 };
 
+/// One of the files that hold a cloud's points.
+struct CloudPart {
+    PointRange points;
+    std::shared_ptr<const las::SourceFile> source;
+};
+
 /// Ends a subscription when destroyed.
 class Subscription
 {
@@ -167,9 +173,13 @@ public:
     const std::shared_ptr<const PointSet>& deleted() const noexcept { return m_deleted; }
     void setDeleted(std::shared_ptr<const PointSet> points) { m_deleted = std::move(points); }
 
-    // -- where it came from; null for a cloud made here
+    // -- where it came from; null for a cloud made here. Of a cloud of many files: what one file of them all would
+    //    be, which is nowhere (SourceFile::path is empty)
     const std::shared_ptr<const las::SourceFile>& source() const noexcept { return m_source; }
     void setSource(std::shared_ptr<const las::SourceFile> source) { m_source = std::move(source); }
+    /// The files of a cloud of many, one after another; of any other cloud none. Set before other threads see it.
+    const std::vector<CloudPart>& parts() const noexcept { return m_parts; }
+    void setParts(std::vector<CloudPart> parts) { m_parts = std::move(parts); }
 
     // -- change
     std::shared_mutex& mutex() const noexcept { return m_mutex; }
@@ -191,6 +201,7 @@ private:
     std::vector<Attribute> m_attributes;
     std::shared_ptr<const PointSet> m_deleted;
     std::shared_ptr<const las::SourceFile> m_source;
+    std::vector<CloudPart> m_parts;
     mutable std::shared_mutex m_mutex;
     std::shared_ptr<BlockBoxes> m_arriving;
     mutable std::mutex m_boxesMutex;

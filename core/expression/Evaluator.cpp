@@ -81,6 +81,9 @@ void loadWide(const Attribute& a, PointRange points, Int128* out)
     const T* const values = a.columns[0]->values<T>().data() + points.first;
     const auto n = std::size_t(points.size());
     for (std::size_t k = 0; k < n; ++k) out[k] = values[k];
+    if (!a.columns[0]->absent().empty())
+        for (std::size_t k = 0; k < n; ++k)
+            if (a.lacks(points.first + k)) out[k] = kNone;
     if (!a.noData) return;
     const double real = toDouble(*a.noData);
     if (std::holds_alternative<double>(*a.noData) && real != std::floor(real)) return;
@@ -322,7 +325,9 @@ const Attribute* Evaluator::stored(const Node& node) const
 {
     if (node.op != Op::Load && node.op != Op::LoadRaw) return nullptr;
     const Attribute& a = m_attributes[node.attribute];
-    return a.columns[0]->components() == 1 && (node.op == Op::LoadRaw || !a.scaled) ? &a : nullptr;
+    // points whose file lacks the attribute have no value, whatever is stored
+    const bool all = a.columns[0]->components() == 1 && a.columns[0]->absent().empty();
+    return all && (node.op == Op::LoadRaw || !a.scaled) ? &a : nullptr;
 }
 
 void Evaluator::compare(const Node& node, PointRange points, std::uint8_t* out)

@@ -71,6 +71,13 @@ std::string cutUtf8(const std::string& text, std::size_t bytes)
     return text.substr(0, end);
 }
 
+std::uint32_t ExtraBytesDescriptor::recordBytes() const
+{
+    const unsigned kind = type();
+    if (kind == 0) return options();
+    return kind > 30 ? 0 : std::uint32_t(((kind - 1) / 10 + 1) * sizeOf(ScalarType((kind - 1) % 10)));
+}
+
 std::string ExtraBytesDescriptor::name() const
 {
     return fixedText(std::span(bytes).subspan(kDescriptorNameAt, kDescriptorText));

@@ -36,6 +36,8 @@ struct ExtraBytesDescriptor {
 
     std::uint8_t type() const { return std::uint8_t(bytes[2]); }
     std::uint8_t options() const { return std::uint8_t(bytes[3]); }
+    /// Bytes of a point record that it describes; 0 for reserved types.
+    std::uint32_t recordBytes() const;
     std::string name() const;         ///< UTF-8; bytes that are not UTF-8 are taken as Latin-1
     std::string description() const;  ///< likewise
     bool hasNoData() const { return (options() & 1) != 0; }

@@ -77,39 +77,52 @@ std::vector<const Vlr*> SourceFile::extraBytesRecords() const
 std::shared_ptr<SourceFile> makeSource(std::uint8_t format, std::span<const ExtraBytesField> extraBytes,
                                        const CoordinateScale& coordinates, std::string_view wkt, PointIndex points)
 {
-    auto source = std::make_shared<SourceFile>();
-    std::size_t length = standardRecordLength(format);
-    if (length == 0) throw Error("Point format " + std::to_string(format) + " is not supported.");
     std::vector<std::byte> descriptors;
     for (const ExtraBytesField& field : extraBytes) {
         const ExtraBytesDescriptor d = makeDescriptor(field);
         descriptors.insert(descriptors.end(), d.bytes.begin(), d.bytes.end());
-        length += sizeOf(field.type);
     }
-    if (length > UINT16_MAX || descriptors.size() > UINT16_MAX)
-        throw Error("A point cannot hold that many extra bytes.");
-
+    std::vector<Vlr> records;
     if (!wkt.empty()) {
         std::vector<std::byte> text(wkt.size() + 1);  // with the NUL that the standard asks for
         std::memcpy(text.data(), wkt.data(), wkt.size());
-        source->vlrs.push_back(
-            makeVlr(geo::kUser, geo::kWktId, geo::kWktDescription, std::move(text), wkt.size() + 1 > UINT16_MAX));
-        if (source->vlrs.back().extended) {
-            source->evlrs.push_back(std::move(source->vlrs.back()));
-            source->vlrs.pop_back();
-        }
+        records.push_back(makeVlr(geo::kUser, geo::kWktId, geo::kWktDescription, std::move(text)));
     }
     if (!descriptors.empty())
-        source->vlrs.push_back(
-            makeVlr("LASF_Spec", kExtraBytesRecordId, "Extra Bytes Record", std::move(descriptors)));
+        records.push_back(makeVlr("LASF_Spec", kExtraBytesRecordId, "Extra Bytes Record", std::move(descriptors)));
+    const bool wktSaid = !wkt.empty() || isExtendedFormat(format);  // the formats 6-10 ask for WKT
+    return makeSource(format, std::move(records), coordinates,
+                      std::uint16_t(encoding::kAdjustedGpsTime | (wktSaid ? encoding::kWkt : 0)), points);
+}
+
+std::shared_ptr<SourceFile> makeSource(std::uint8_t format, std::vector<Vlr> records,
+                                       const CoordinateScale& coordinates, std::uint16_t bits, PointIndex points)
+{
+    auto source = std::make_shared<SourceFile>();
+    std::size_t length = standardRecordLength(format);
+    if (length == 0) throw Error("Point format " + std::to_string(format) + " is not supported.");
+    std::size_t described = 0;
+    for (Vlr& vlr : records) {
+        vlr.extended = vlr.data.size() > UINT16_MAX;
+        if (vlr.is("LASF_Spec", kExtraBytesRecordId)) {
+            described += vlr.data.size();
+            for (std::size_t at = 0; at + ExtraBytesDescriptor::kSize <= vlr.data.size();
+                 at += ExtraBytesDescriptor::kSize) {
+                ExtraBytesDescriptor d;
+                std::memcpy(d.bytes.data(), vlr.data.data() + at, d.bytes.size());
+                length += d.recordBytes();
+            }
+        }
+        (vlr.extended ? source->evlrs : source->vlrs).push_back(std::move(vlr));
+    }
+    if (length > UINT16_MAX || described > UINT16_MAX) throw Error("A point cannot hold that many extra bytes.");
 
     Header& h = source->header;
     h.bytes.resize(standardHeaderSize(4));
     h.setText(at::kSignature, "LASF");
     h.set(at::kVersionMajor, 1);
     h.set(at::kVersionMinor, 4);
-    const bool wktSaid = !wkt.empty() || isExtendedFormat(format);  // the formats 6-10 ask for WKT
-    h.set(at::kGlobalEncoding, std::uint16_t(encoding::kAdjustedGpsTime | (wktSaid ? encoding::kWkt : 0)));
+    h.set(at::kGlobalEncoding, bits);
     h.setText(at::kSystemId, "OTHER");
     h.setText(at::kSoftware, "Punctum");
     h.setCreation();
@@ -129,8 +142,8 @@ std::shared_ptr<SourceFile> makeSource(std::uint8_t format, std::span<const Extr
 
     source->pointCount = points;
     source->coordinates = coordinates;
-    const auto records = source->extraBytesRecords();
-    source->layout = makeLayout(format, std::uint16_t(length), records, coordinates, source->warnings);
+    const auto extra = source->extraBytesRecords();
+    source->layout = makeLayout(format, std::uint16_t(length), extra, coordinates, source->warnings);
     CrsInfo crs = readCrs(*source);
     source->crs = std::move(crs.text);
     for (std::string& sentence : crs.warnings) source->warnings.push_back(std::move(sentence));

@@ -140,5 +140,8 @@ struct SourceFile {
 ///     cloud->setSource(source);
 std::shared_ptr<SourceFile> makeSource(std::uint8_t format, std::span<const ExtraBytesField> extraBytes,
                                        const CoordinateScale& coordinates, std::string_view wkt, PointIndex points);
+/// The same with all its records, extra bytes among them, as they will be written; `bits`: of the global encoding.
+std::shared_ptr<SourceFile> makeSource(std::uint8_t format, std::vector<Vlr> records,
+                                       const CoordinateScale& coordinates, std::uint16_t bits, PointIndex points);
 
 }  // namespace punctum::las

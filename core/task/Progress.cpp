@@ -8,6 +8,7 @@ namespace punctum
 
 void Progress::begin(const std::string& stage, std::uint64_t total)
 {
+    if (m_wholes.load() != 0) return;
     const std::lock_guard lock(m_mutex);
     m_stage = stage;
     m_done.store(0, std::memory_order_relaxed);

@@ -30,6 +30,22 @@ public:
 
     /// Starts a stage of `total` units (points, bytes, chunks); `stage` is shown to the user ("Reading points").
     void begin(const std::string& stage, std::uint64_t total);
+    /// While one lives, the work goes on in its stage: what is part of it, and calls begin() itself, begins none.
+    class Whole
+    {
+    public:
+        Whole(Progress& progress, const std::string& stage, std::uint64_t total) : m_progress(progress)
+        {
+            progress.begin(stage, total);
+            m_progress.m_wholes.fetch_add(1);
+        }
+        ~Whole() { m_progress.m_wholes.fetch_sub(1); }
+        Whole(const Whole&) = delete;
+        Whole& operator=(const Whole&) = delete;
+
+    private:
+        Progress& m_progress;
+    };
     /// Counts `units` of the current stage as done.
     void add(std::uint64_t units) noexcept { m_done.fetch_add(units, std::memory_order_relaxed); }
     /// Share of the current stage that is done, 0 to 1.
@@ -48,6 +64,7 @@ private:
     std::atomic<std::uint64_t> m_done{0};
     std::atomic<std::uint64_t> m_total{0};
     std::atomic<bool> m_cancelled{false};
+    std::atomic<int> m_wholes{0};
     mutable std::mutex m_mutex;
     std::string m_stage;
 };

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#include "core/survey/Grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+
+namespace punctum
+{
+
+namespace
+{
+
+constexpr double kMostSteps = 0x1p31 * 0.99;  ///< from the offset to the farthest point
+constexpr int kFiner = 3;                     ///< decimals that are tried
+
+/// The whole number that a quotient of decimals means; nothing where it is none.
+bool isWhole(double v)
+{
+    return std::abs(v - std::round(v)) < 1e-6 && std::abs(v) < 0x1p52;
+}
+
+bool isExact(const CoordinateScale& from, const CoordinateScale& to, int axis)
+{
+    return isWhole(from.scale[axis] / to.scale[axis]) && std::round(from.scale[axis] / to.scale[axis]) != 0.0 &&
+           isWhole((from.offset[axis] - to.offset[axis]) / to.scale[axis]);
+}
+
+/// Whether an axis of the grid reaches from `low` to `high`.
+bool holds(double scale, double offset, double low, double high)
+{
+    const double step = std::abs(scale);
+    return std::abs(low - offset) / step < kMostSteps && std::abs(high - offset) / step < kMostSteps;
+}
+
+void chooseAxis(std::span<const GridOfPart> parts, const CoordinateScale& most, const WorldBounds& all, int axis,
+                CoordinateScale& grid)
+{
+    double scale = most.scale[axis];
+    for (const GridOfPart& part : parts)
+        if (part.points != 0 && std::abs(part.coordinates.scale[axis]) < std::abs(scale))
+            scale = part.coordinates.scale[axis];
+    double offset = most.offset[axis];
+    if (!all.empty()) {
+        const double low = all.min[axis], high = all.max[axis];
+        while ((high - low) / std::abs(scale) > 1.9 * kMostSteps) scale *= 10.0;
+        if (!holds(scale, offset, low, high)) offset += std::round((0.5 * (low + high) - offset) / scale) * scale;
+    }
+    const auto allExact = [&](const CoordinateScale& candidate) {
+        return std::all_of(parts.begin(), parts.end(), [&](const GridOfPart& part) {
+            return part.points == 0 || isExact(part.coordinates, candidate, axis);
+        });
+    };
+    grid.scale[axis] = scale;
+    grid.offset[axis] = offset;
+    for (int k = 0; k < kFiner && !allExact(grid); ++k) {
+        const double finer = grid.scale[axis] / 10.0;
+        if (!all.empty() && !holds(finer, offset, all.min[axis], all.max[axis])) break;
+        grid.scale[axis] = finer;
+    }
+    if (!allExact(grid)) grid.scale[axis] = scale;
+}
+
+}  // namespace
+
+CommonGrid commonGrid(std::span<const GridOfPart> parts)
+{
+    using Key = std::tuple<double, double, double, double, double, double>;
+    std::map<Key, PointIndex> points;
+    WorldBounds all;
+    const CoordinateScale* most = &parts.front().coordinates;
+    PointIndex count = 0;
+    for (const GridOfPart& part : parts) {
+        const CoordinateScale& c = part.coordinates;
+        PointIndex& n = points[{c.scale.x, c.scale.y, c.scale.z, c.offset.x, c.offset.y, c.offset.z}];
+        n += part.points;
+        if (n > count) {
+            count = n;
+            most = &c;
+        }
+        all.include(part.bounds);
+    }
+    CommonGrid grid;
+    if (points.size() == 1) {
+        grid.coordinates = *most;
+        return grid;
+    }
+    for (int axis = 0; axis < 3; ++axis) chooseAxis(parts, *most, all, axis, grid.coordinates);
+    for (std::size_t k = 0; k < parts.size(); ++k)
+        if (parts[k].points != 0 && !GridChange(parts[k].coordinates, grid.coordinates).exact())
+            grid.rounded.push_back(k);
+    return grid;
+}
+
+GridChange::GridChange(const CoordinateScale& from, const CoordinateScale& to)
+    : m_same(from.scale == to.scale && from.offset == to.offset)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto a = std::size_t(axis);
+        m_ratio[a] = from.scale[axis] / to.scale[axis];
+        m_offset[a] = (from.offset[axis] - to.offset[axis]) / to.scale[axis];
+        m_whole[a] = isExact(from, to, axis);
+        m_factor[a] = std::llround(std::clamp(m_ratio[a], -0x1p31, 0x1p31));
+        m_shift[a] = std::llround(std::clamp(m_offset[a], -0x1p52, 0x1p52));
+    }
+}
+
+std::size_t GridChange::operator()(int axis, std::span<const std::int32_t> from, std::int32_t* to) const noexcept
+{
+    constexpr std::int64_t kLeast = std::numeric_limits<std::int32_t>::min(),
+                           kMost = std::numeric_limits<std::int32_t>::max();
+    const auto a = std::size_t(axis);
+    std::size_t beyond = 0;
+    if (m_whole[a]) {
+        const std::int64_t factor = m_factor[a], shift = m_shift[a];
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            const std::int64_t v = from[i] * factor + shift, c = std::clamp(v, kLeast, kMost);
+            beyond += std::size_t(v != c);
+            to[i] = std::int32_t(c);
+        }
+        return beyond;
+    }
+    const double ratio = m_ratio[a], offset = m_offset[a];
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        const double v = std::floor(from[i] * ratio + offset + 0.5);
+        const double c = std::clamp(v, double(kLeast), double(kMost));
+        beyond += std::size_t(!(v == c));
+        to[i] = c == c ? std::int32_t(c) : 0;
+    }
+    return beyond;
+}
+
+}  // namespace punctum

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/las/Reader.h"
+#include "core/survey/Grid.h"
+#include "core/survey/RecordUnion.h"
+#include "core/survey/Survey.h"
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace punctum
+{
+
+/// How a part of a survey is kept in it.
+struct Survey::Member {
+    RecordLinks links;
+    GridChange grid;
+    std::string from, to;     ///< coordinate systems, where the points are moved
+    WorldBounds movedBounds;  ///< likewise: where they are then, as the header says
+    /// Columns of its own, by field; null: the survey's are the field's, or are converted.
+    std::vector<std::shared_ptr<Column>> own;
+    std::unique_ptr<las::Reader> reader;  ///< until it is read; null where too many files would be open
+};
+
+/// Fields of formats 0 to 5 that are packed in another way in formats 6 to 10, and those.
+inline bool isClassicField(std::string_view name) noexcept
+{
+    return name == "Returns" || name == "Classes" || name == "ScanAngle";
+}
+inline bool isExtendedField(std::string_view name) noexcept
+{
+    return name == "Returns" || name == "Flags" || name == "Classification" || name == "ScanAngle";
+}
+
+}  // namespace punctum

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/cloud/PointCloud.h"
+#include "core/las/Reader.h"
+#include "core/survey/Grid.h"
+#include "core/survey/RecordUnion.h"
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace punctum
+{
+
+class Progress;
+
+/// One or many LAS and LAZ files as one cloud.
+///
+/// The points of the files follow one another, so that index and neighborhood, selection and edit know no files.
+/// Each attribute is there once (RecordUnion.h); points of a file that lacks it have no value (Column::absent()).
+/// X, Y and Z are in one grid (Grid.h), those of another coordinate system where the PROJ library puts them. What
+/// the survey's columns do not say exactly (coordinates of another grid, bytes that nobody described) each file
+/// keeps besides, so that partCloud() gives what the file held, but for the edits.
+///
+/// One file is its own survey: its cloud is the reader's.
+///
+/// Threads: open() and read() by one thread; afterwards it does not change, and any thread may ask.
+class Survey
+{
+public:
+    /// One of the files.
+    struct Part {
+        std::filesystem::path path;  ///< as it was opened
+        PointRange points;
+        std::shared_ptr<const las::SourceFile> source;
+        bool moved = false;  ///< from another coordinate system, for being shown among the others
+    };
+
+    /// Reads all headers, in parallel. Files that cannot be opened are left out, and told of in warnings(), unless
+    /// all are. Throws Error, Cancelled.
+    static std::unique_ptr<Survey> open(const std::vector<std::filesystem::path>& files, Progress& progress);
+    ~Survey();
+    Survey(const Survey&) = delete;
+    Survey& operator=(const Survey&) = delete;
+
+    const std::shared_ptr<PointCloud>& cloud() const noexcept { return m_cloud; }
+    const std::vector<Part>& parts() const noexcept { return m_parts; }
+    /// Whether several files were asked for: the cloud is no reader's.
+    bool many() const noexcept { return !m_columns.empty(); }
+    /// The part that holds a point.
+    std::size_t partOf(PointIndex point) const noexcept;
+    /// What a file of all points would be: of one file its own source.
+    const std::shared_ptr<const las::SourceFile>& source() const noexcept { return m_cloud->source(); }
+    /// A first idea of the extent: from headers and sampled records.
+    const WorldBounds& firstBounds() const noexcept { return m_firstBounds; }
+    const RawBounds& sampledBounds() const noexcept { return m_sampledBounds; }
+    /// One sentence each, with the file's name where there are many.
+    const std::vector<std::string>& warnings() const noexcept { return m_warnings; }
+    /// Those of the warnings that tell of what is missing or damaged.
+    const std::vector<std::string>& losses() const noexcept { return m_losses; }
+
+    /// Reads all points, once. `sink` as in las::Reader::read(). A file of many that cannot be read is missing, and
+    /// told of, unless it is the last one left. Throws Error, Cancelled.
+    las::ReadResult read(Progress& progress, const las::Reader::BatchSink& sink);
+
+    /// One file's points with the edits, as las::write() takes them: columns share the survey's memory wherever the
+    /// file's record has the same field. Hold cloud()->mutex() for as long as it is used. Throws Error when the
+    /// file's point format cannot hold what the points are now.
+    std::shared_ptr<PointCloud> partCloud(std::size_t part, Progress& progress) const;
+
+private:
+    struct Member;
+
+    Survey();
+    void unite();
+    void adoptGrid();
+    void compareFiles();
+    std::shared_ptr<Column> ownColumn(const las::RecordField& field);
+    std::shared_ptr<PointCloud> readingView(std::size_t part);
+    las::ReadResult readPart(std::size_t part, Progress& progress, const las::Reader::BatchSink& sink);
+    bool isOwn(std::size_t part, std::size_t field) const;
+
+    std::shared_ptr<PointCloud> m_cloud;
+    std::vector<Part> m_parts;
+    std::vector<std::unique_ptr<Member>> m_members;        ///< what is known of each part beside that
+    std::vector<std::shared_ptr<Column>> m_columns;        ///< of the union's record, as they were made
+    std::mutex m_mutex;                                    ///< guards m_own while reading
+    std::map<std::string, std::shared_ptr<Column>> m_own;  ///< what parts keep for themselves, all in one array
+    WorldBounds m_firstBounds;
+    RawBounds m_sampledBounds;
+    std::vector<std::string> m_warnings, m_losses;
+};
+
+}  // namespace punctum
