@@ -123,6 +123,18 @@ CloudKey keyOf(const PointCloud& cloud, Progress& progress, const KeptPoints* ke
     return key;
 }
 
+bool hasColumnsOf(const PointCloud& cloud, const PointCloud& read)
+{
+    const std::shared_lock lock(cloud.mutex());
+    return cloud.coordinates().scale == read.coordinates().scale &&
+           cloud.coordinates().offset == read.coordinates().offset &&
+           std::equal(cloud.columns().begin(), cloud.columns().end(), read.columns().begin(), read.columns().end(),
+                      [&](const std::shared_ptr<Column>& a, const std::shared_ptr<Column>& b) {
+                          return nameOf(*a, cloud) == nameOf(*b, read) && a->type() == b->type() &&
+                                 a->components() == b->components();
+                      });
+}
+
 CloudKey keyOfFile(const PointCloud& cloud, Progress& progress)
 {
     if (!cloud.source()) return keyOf(cloud, progress);

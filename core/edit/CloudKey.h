@@ -33,4 +33,8 @@ CloudKey keyOf(const PointCloud& cloud, Progress& progress, const KeptPoints* ke
 /// cannot be read, or was changed by somebody else.
 CloudKey keyOfFile(const PointCloud& cloud, Progress& progress);
 
+/// Whether the columns of a cloud that was read from files are those that `cloud` has, in grid, order, name and
+/// type, so that keyOf() of the one with the points that the files hold is keyOf() of the other.
+bool hasColumnsOf(const PointCloud& cloud, const PointCloud& read);
+
 }  // namespace punctum

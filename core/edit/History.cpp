@@ -60,6 +60,39 @@ bool contains(const List& list, const Item& item)
     return std::find(list.begin(), list.end(), item) != list.end();
 }
 
+/// The columns of which some of the commands swap values.
+std::vector<std::shared_ptr<Column>> swappedColumns(const std::vector<const Command*>& way)
+{
+    std::vector<std::shared_ptr<Column>> columns;
+    for (const Command* command : way)
+        for (const auto& column : command->effect().columns)
+            if (!contains(columns, column)) columns.push_back(column);
+    return columns;
+}
+
+/// A column's values on the other side of all the commands.
+Buffer valuesBefore(const Column& column, const std::vector<const Command*>& way, Progress& progress)
+{
+    const std::size_t bytes = std::size_t(column.size()) * column.elementBytes();
+    Buffer before(bytes);
+    std::memcpy(before.data(), column.data(), bytes);
+    for (const Command* command : way) {
+        progress.check();
+        command->cross(column, {before.data(), bytes});
+    }
+    return before;
+}
+
+bool hasMember(const PointSet& points, PointRange range)
+{
+    for (PointIndex i = range.first; i < range.last; i = (i / 64 + 1) * 64) {
+        std::uint64_t bits = points.words()[i / 64] >> (i % 64);
+        if (const PointIndex left = range.last - i; left < 64) bits &= (std::uint64_t(1) << left) - 1;
+        if (bits != 0) return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 std::size_t HistoryRoom::defaultMemory() noexcept
@@ -222,21 +255,53 @@ void History::forgetSaved()
     m_saved = -1;
 }
 
+/// The commands from now to the saved state, in the order in which they are to be crossed; nothing where it cannot
+/// be reached. Hold m_changing.
+std::optional<std::vector<const Command*>> History::wayToSaved() const
+{
+    const std::lock_guard lock(m_mutex);
+    if (m_saved < 0) return std::nullopt;
+    std::vector<const Command*> way;
+    const auto saved = std::size_t(m_saved);
+    for (std::size_t k = m_done; k > saved; --k) way.push_back(m_commands[k - 1].get());
+    for (std::size_t k = m_done; k < saved; ++k) way.push_back(m_commands[k].get());
+    return way;
+}
+
+std::optional<std::vector<bool>> History::changedIn(std::span<const PointRange> ranges, Progress& progress) const
+{
+    const std::lock_guard changing(m_changing);  // nobody else writes to the cloud's columns meanwhile
+    const auto way = wayToSaved();
+    if (!way) return std::nullopt;
+    std::vector<bool> changed(ranges.size(), false);
+    for (const auto& column : swappedColumns(*way)) {
+        const Buffer before = valuesBefore(*column, *way, progress);
+        const std::size_t bytes = column->elementBytes();
+        for (std::size_t k = 0; k < ranges.size(); ++k)
+            changed[k] = changed[k] || std::memcmp(before.data() + ranges[k].first * bytes,
+                                                   column->data() + ranges[k].first * bytes,
+                                                   std::size_t(ranges[k].size()) * bytes) != 0;
+    }
+    for (const Command* command : *way) {
+        const Command::Effect effect = command->effect();
+        if (!effect.added.empty() || !effect.removed.empty()) {
+            changed.assign(ranges.size(), true);
+            break;
+        }
+        if (!effect.deletes) continue;
+        const auto points = command->points();
+        for (std::size_t k = 0; k < ranges.size(); ++k)
+            changed[k] = changed[k] || !points || hasMember(*points, ranges[k]);
+    }
+    return changed;
+}
+
 std::optional<std::vector<AttributeChange>> History::changes(Progress& progress) const
 {
     const std::lock_guard changing(m_changing);  // nobody else writes to the cloud's columns meanwhile
-    std::vector<const Command*> way;             // from now to the saved state
-    {
-        const std::lock_guard lock(m_mutex);
-        if (m_saved < 0) return std::nullopt;
-        const auto saved = std::size_t(m_saved);
-        for (std::size_t k = m_done; k > saved; --k) way.push_back(m_commands[k - 1].get());
-        for (std::size_t k = m_done; k < saved; ++k) way.push_back(m_commands[k].get());
-    }
-    std::vector<std::shared_ptr<Column>> columns;
-    for (const Command* command : way)
-        for (const auto& column : command->effect().columns)
-            if (!contains(columns, column)) columns.push_back(column);
+    const auto reachable = wayToSaved();
+    if (!reachable) return std::nullopt;
+    const std::vector<const Command*>& way = *reachable;
 
     const bool back = !way.empty() && m_done > std::size_t(m_saved);
     std::vector<std::string> added, replaced;  // since the saved state
@@ -256,14 +321,9 @@ std::optional<std::vector<AttributeChange>> History::changes(Progress& progress)
     const PointIndex deleted = m_cloud->deleted() ? m_cloud->deleted()->count() : 0;
     found.reserve(replaced.size());
     for (const std::string& name : replaced) found.push_back({name, m_cloud->size() - deleted});
-    for (const auto& column : columns) {
+    for (const auto& column : swappedColumns(way)) {
         const std::size_t bytes = std::size_t(column->size()) * column->elementBytes();
-        Buffer before(bytes);
-        std::memcpy(before.data(), column->data(), bytes);
-        for (const Command* command : way) {
-            progress.check();
-            command->cross(*column, {before.data(), bytes});
-        }
+        const Buffer before = valuesBefore(*column, way, progress);
         for (const Attribute& a : m_cloud->attributes()) {
             if (a.components != 1 || a.columns[0] != column || contains(added, a.name)) continue;
             if (const PointIndex n = countDifferent(a, {before.data(), bytes}, m_cloud->deleted().get(), progress);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,10 @@ public:
     /// of those that were replaced by others of the same name, all points count. Nothing when that state can no
     /// longer be reached. Waits for a change that goes on; memory: a column at a time. Throws Cancelled, Error.
     std::optional<std::vector<AttributeChange>> changes(Progress& progress) const;
+    /// Of each range of points, whether something there differs from what was last saved (or loaded): a value, a
+    /// point that was deleted or restored, an attribute that came, went or got another name (then everywhere).
+    /// Nothing when that state can no longer be reached. Waits and throws as changes().
+    std::optional<std::vector<bool>> changedIn(std::span<const PointRange> ranges, Progress& progress) const;
     std::vector<std::string> names() const;         ///< oldest first
     std::vector<PointIndex> changedPoints() const;  ///< by each of them
     std::size_t position() const;                   ///< how many of names() are in force
@@ -72,6 +77,7 @@ public:
 
 private:
     void move(bool forward);
+    std::optional<std::vector<const Command*>> wayToSaved() const;
     void stowDistant() noexcept;
     bool spill(Command& command) noexcept;
 

@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/edit/Journal.h"
+#include "core/session/SurveyFiles.h"
 #include "core/task/Progress.h"
 
 #include <algorithm>
@@ -26,7 +27,7 @@ std::vector<KeptJournal> keptJournals(const std::filesystem::path& folder, Progr
             if (names.empty()) continue;
             const auto changed = std::chrono::time_point_cast<std::chrono::system_clock::duration>(
                 std::chrono::file_clock::to_sys(std::filesystem::last_write_time(entry.path(), error)));
-            found.push_back({entry.path(), journal.file, std::move(names), changed, aside});
+            found.push_back({entry.path(), filesOfJournal(journal.file), std::move(names), changed, aside});
         } catch (const Error&) {
             continue;  // no journal, or not even its beginning can be read
         }

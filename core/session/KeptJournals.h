@@ -13,9 +13,9 @@ class Progress;
 
 /// Edits that were not saved, in a journal that waits for its file or was set aside.
 struct KeptJournal {
-    std::filesystem::path path;      ///< of the journal
-    std::filesystem::path file;      ///< that the edits are of
-    std::vector<std::string> edits;  ///< names of those that are in force, oldest first
+    std::filesystem::path path;                ///< of the journal
+    std::vector<std::filesystem::path> files;  ///< that the edits are of: one, or those of a survey
+    std::vector<std::string> edits;            ///< names of those that are in force, oldest first
     std::chrono::system_clock::time_point changed;
     bool setAside = false;
 };

@@ -9,6 +9,7 @@
 #include "core/las/SourceFile.h"
 #include "core/process/MakeCommand.h"
 #include "core/session/KeptJournals.h"
+#include "core/session/SurveyFiles.h"
 #include "core/task/Progress.h"
 
 #include <algorithm>
@@ -63,29 +64,48 @@ las::WriteOptions lookAhead(const fs::path& target)
 
 std::shared_ptr<Session> Session::open(const fs::path& file, HistoryRoom room)
 {
-    return std::shared_ptr<Session>(new Session(file, std::move(room)));
+    Progress progress;
+    return open(std::vector{file}, std::move(room), progress);
 }
 
-Session::Session(const fs::path& file, HistoryRoom room)
-    : m_opened(file),
-      m_reader(las::Reader::open(file)),
-      m_source(m_reader->source()),
-      m_cloud(m_reader->createCloud()),
-      m_folder(room.folder),
-      m_history(std::make_unique<History>(m_cloud, std::move(room))),
-      m_damaged(m_source->recovered),
-      m_path(file)
+std::shared_ptr<Session> Session::open(const std::vector<fs::path>& files, HistoryRoom room, Progress& progress)
 {
+    return std::shared_ptr<Session>(new Session(Survey::open(files, progress), std::move(room)));
+}
+
+Session::Session(std::unique_ptr<Survey> survey, HistoryRoom room)
+    : m_survey(std::move(survey)),
+      m_cloud(m_survey->cloud()),
+      m_folder(room.folder),
+      m_history(std::make_unique<History>(m_cloud, std::move(room)))
+{
+    std::vector<fs::path> files;
+    for (const Survey::Part& part : m_survey->parts()) {
+        files.push_back(part.path);
+        m_damagedParts.push_back(part.source->recovered);
+        if (part.source->recovered) m_damaged = true;
+    }
+    m_opened = many() ? commonFolder(files) : files.front();
+    m_path = m_opened;
 }
 
 Session::~Session() = default;
 
 las::ReadResult Session::read(Progress& progress, const las::Reader::BatchSink& sink)
 {
-    las::ReadResult result = m_reader->read(*m_cloud, progress, sink);
+    las::ReadResult result = m_survey->read(progress, sink);
+    for (const PointRange& gone : result.missing)
+        if (!gone.empty()) m_damagedParts[m_survey->partOf(gone.first)] = true;
     if (!result.missing.empty()) m_damaged = true;
-    m_reader.reset();  // closes the file
     return result;
+}
+
+std::vector<SessionPart> Session::parts() const
+{
+    std::vector<SessionPart> parts;
+    for (const Survey::Part& part : m_survey->parts())
+        parts.push_back({part.source->current->get().path, part.points, part.source, m_damagedParts[parts.size()]});
+    return parts;
 }
 
 void Session::close() noexcept
@@ -203,9 +223,11 @@ void Session::noteDown(Progress& progress) noexcept
         }
         if (m_history->modified())
             return tell("edits came before, and a journal begins with what is in the file. Save once.");
-        const CloudKey key = keyOfFile(*m_cloud, progress);
+        const CloudKey key = fileKey(progress);
+        std::vector<fs::path> files;
+        for (const Survey::Part& part : m_survey->parts()) files.push_back(part.path);
         std::shared_ptr<Journal> journal =
-            Journal::create(journalPath(key), key, m_opened.string(), m_source->current->get().kept);
+            Journal::create(journalPath(key), key, journalFiles(files), keptPoints());
         if (!journal->setAside().empty())
             warn("Unsaved edits of before a crash have not been recovered; File > Recover Edits has them.");
         m_history->setJournal(std::move(journal));
@@ -272,13 +294,23 @@ void Session::setAside(const fs::path& journal)
 
 void Session::checkTarget(const fs::path& target) const
 {
-    if (m_damaged && sameFile(target, m_opened))
-        throw Error(m_opened,
-                    "Some of this file could not be read; write under another name, so that the original is kept.");
+    if (!m_damaged) return;
+    for (std::size_t k = 0; k < m_damagedParts.size(); ++k) {
+        const fs::path& opened = m_survey->parts()[k].path;
+        if (m_damagedParts[k] && sameFile(target, opened))
+            throw Error(opened,
+                        "Some of this file could not be read; write under another name, so that the original is "
+                        "kept.");
+    }
 }
 
 Forecast Session::foresee(const fs::path& target, Progress& progress) const
 {
+    if (many()) {
+        const SaveRequest request{.target = target};
+        const std::vector<fs::path> targets = targetsOf(request);
+        return foreseeParts(changedNumbers(changedParts(progress)), targets, progress);
+    }
     Forecast forecast;
     forecast.edits = edits();
     forecast.preview = las::previewSave(*m_cloud, path(), target, lookAhead(target), progress);
@@ -288,6 +320,7 @@ Forecast Session::foresee(const fs::path& target, Progress& progress) const
 std::string Session::unsavedChanges(Progress& progress) const
 {
     const auto changes = m_history->changes(progress);
+    if (many()) return unsavedInSurvey(changes, changedParts(progress));
     const fs::path original = path();
     const las::SavePreview preview = las::previewSave(*m_cloud, original, original, lookAhead(original), progress,
                                                       changes ? &*changes : nullptr);
@@ -296,6 +329,7 @@ std::string Session::unsavedChanges(Progress& progress) const
 
 SaveOutcome Session::save(SaveRequest request, Progress& progress)
 {
+    if (many()) return saveParts(std::move(request), progress);
     checkTarget(request.target);
     const std::uint64_t before = edits();
     std::optional<Forecast> forecast = std::move(request.forecast);
@@ -327,9 +361,11 @@ SaveOutcome Session::save(SaveRequest request, Progress& progress)
 las::WriteReport Session::extract(const PointSet& points, const fs::path& target, las::WriteOptions options,
                                   Progress& progress) const
 {
-    if (sameFile(target, path()) || sameFile(target, m_opened))
-        throw Error(target,
-                    "this is the file that is open; points that are left out would be lost. Choose another name.");
+    for (const SessionPart& part : parts())
+        if (sameFile(target, part.path) || (!many() && sameFile(target, m_opened)))
+            throw Error(
+                target,
+                "this is a file that is open; points that are left out would be lost. Choose another name.");
     options.compressed = las::isCompressedName(target);
     options.copyChunks = false;
     return las::write(*extracted(*m_cloud, points, progress), target, options, progress);

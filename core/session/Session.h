@@ -8,6 +8,7 @@
 #include "core/las/Diff.h"
 #include "core/las/Reader.h"
 #include "core/process/Replay.h"
+#include "core/survey/Survey.h"
 
 #include <atomic>
 #include <cstdint>
@@ -29,18 +30,31 @@ struct Forecast {
 
 /// How to save.
 struct SaveRequest {
-    std::filesystem::path target{};  ///< LAS or LAZ by its ending
-    las::WriteOptions options{};     ///< but for `compressed`, which the target's name decides
-    bool compare = true;             ///< tell what changed in the file; reads it once more, where no forecast holds
+    /// LAS or LAZ by its ending. Of a survey: empty, for each file in its own place, or a folder, for all files
+    /// under their names there.
+    std::filesystem::path target{};
+    las::WriteOptions options{};  ///< but for `compressed`, which the target's name decides
+    bool compare = true;          ///< tell what changed in the file; reads it once more, where no forecast holds
     std::optional<Forecast> forecast{};
+    /// Of a survey: these alone. Empty: those that changed; in a folder all of them.
+    std::vector<std::size_t> parts{};
+};
+
+/// One of the files of a session, as it is now.
+struct SessionPart {
+    std::filesystem::path path;  ///< the file that holds it: the one that was opened, later the one it was saved to
+    PointRange points;
+    std::shared_ptr<const las::SourceFile> source;  ///< as it was opened
+    bool damaged = false;                           ///< something of it could not be read: it may not be replaced
 };
 
 /// What came of a save.
 struct SaveOutcome {
-    las::WriteReport report;
-    las::SavePreview preview;  ///< A: the file before; B: the file now
-    bool compared = false;     ///< it was asked for, there was a file, and no edit came in between
-    bool disturbed = false;    ///< points were edited while the file was written: it lacks these edits
+    las::WriteReport report;         ///< of a survey: of all files that were written
+    std::vector<std::size_t> parts;  ///< that were written
+    las::SavePreview preview;        ///< A: the file before; B: the file now
+    bool compared = false;           ///< it was asked for, there was a file, and no edit came in between
+    bool disturbed = false;          ///< points were edited while the file was written: it lacks these edits
 };
 
 /// What came of an edit.
@@ -55,9 +69,9 @@ struct FoundJournal {
     JournalContents contents;
 };
 
-/// One cloud that is open: the file that holds it, its points, the history of its edits, and a journal of those
-/// that are not saved. Whoever opens, edits, saves and recovers does so here, so that the order is the same for
-/// all: an edit is in the journal before it is done, and a save that missed an edit does not call it saved.
+/// One cloud that is open: the file or files that hold it, its points, the history of its edits, and a journal of
+/// those that are not saved. Whoever opens, edits, saves and recovers does so here, so that the order is the same
+/// for all: an edit is in the journal before it is done, and a save that missed an edit does not call it saved.
 ///
 /// Example (docs/dev/example/classify.cpp is a whole program):
 ///     const auto session = Session::open("a.laz");
@@ -74,6 +88,9 @@ public:
     /// Reads the header and what else is no point. `room`: what may be kept for undo; in its folder unsaved edits
     /// are noted down as well, in case of a crash. Without a folder there is no journal.
     static std::shared_ptr<Session> open(const std::filesystem::path& file, HistoryRoom room = {});
+    /// The same of several files as one survey; of one file, as above.
+    static std::shared_ptr<Session> open(const std::vector<std::filesystem::path>& files, HistoryRoom room,
+                                         Progress& progress);
     /// What is unsaved stays in its journal, as after a crash; close() is the way to end in order.
     ~Session();
     Session(const Session&) = delete;
@@ -85,12 +102,20 @@ public:
     void close() noexcept;
 
     const std::shared_ptr<PointCloud>& cloud() const noexcept { return m_cloud; }
-    const std::shared_ptr<const las::SourceFile>& source() const noexcept { return m_source; }
+    const Survey& survey() const noexcept { return *m_survey; }
+    /// Whether it is a survey of several files.
+    bool many() const noexcept { return m_survey->many(); }
+    /// The files, one at least, in the order of their points.
+    std::vector<SessionPart> parts() const;
+    /// The file; of a survey what one of all its points would be, which is nowhere.
+    const std::shared_ptr<const las::SourceFile>& source() const noexcept { return m_survey->source(); }
     const History& history() const noexcept { return *m_history; }
+    /// Of a survey the folder that holds all its files.
     const std::filesystem::path& openedPath() const noexcept { return m_opened; }
-    /// Of the file that holds the cloud: the one that was opened, later the one that it was saved to.
+    /// Of the file that holds the cloud: the one that was opened, later the one that it was saved to. Of a survey
+    /// the folder that holds all its files.
     std::filesystem::path path() const;
-    /// Something of the file that was opened could not be read: it may not be replaced.
+    /// Something of a file that was opened could not be read: it may not be replaced.
     bool damaged() const noexcept { return m_damaged; }
 
     // -- editing
@@ -113,13 +138,21 @@ public:
 
     /// Throws Error when saving there would lose something: the file is damaged, and its rest would be gone.
     void checkTarget(const std::filesystem::path& target) const;
-    /// Compares the cloud with path(), as saving it to `target` would write it, point by point.
+    /// Of each file, whether the points differ from what it holds: as the history says, or where it cannot, by
+    /// reading the file.
+    std::vector<bool> changedParts(Progress& progress) const;
+    /// Compares the cloud with path(), as saving it to `target` would write it, point by point. Of a survey: the
+    /// files that changed.
     Forecast foresee(const std::filesystem::path& target, Progress& progress) const;
     /// In one line, what saving to path() would change; quick, as the history says. Empty when nothing.
     std::string unsavedChanges(Progress& progress) const;
-    /// Writes and verifies the file, whole or not at all, and marks the state as saved. Throws las::WriteQuestion
-    /// where the user must say more.
+    /// Writes and verifies the file, whole or not at all, and marks the state as saved. Of a survey, all files or
+    /// none, and nothing counts as saved where files that changed are left out. Throws las::WriteQuestion where the
+    /// user must say more.
     SaveOutcome save(SaveRequest request, Progress& progress);
+    /// Writes a survey into one file, which becomes none of its files; nothing counts as saved.
+    las::WriteReport merge(const std::filesystem::path& target, las::WriteOptions options,
+                           Progress& progress) const;
     /// Writes these points alone to another file than path(); nothing counts as saved. All points that are not
     /// among them would be lost otherwise.
     las::WriteReport extract(const PointSet& points, const std::filesystem::path& target, las::WriteOptions options,
@@ -137,7 +170,13 @@ public:
     void setAside(const std::filesystem::path& journal);
 
 private:
-    Session(const std::filesystem::path& file, HistoryRoom room);
+    Session(std::unique_ptr<Survey> survey, HistoryRoom room);
+    std::vector<std::filesystem::path> targetsOf(const SaveRequest& request) const;
+    SaveOutcome saveParts(SaveRequest request, Progress& progress);
+    Forecast foreseeParts(std::span<const std::size_t> parts, std::span<const std::filesystem::path> targets,
+                          Progress& progress) const;
+    CloudKey fileKey(Progress& progress) const;
+    std::shared_ptr<const KeptPoints> keptPoints() const;
     std::filesystem::path journalPath(const CloudKey& key) const;
     void noteDown(Progress& progress) noexcept;
     void dropJournal() noexcept;
@@ -145,12 +184,12 @@ private:
     void warn(const std::string& sentence);
 
     std::filesystem::path m_opened;
-    std::unique_ptr<las::Reader> m_reader;
-    std::shared_ptr<const las::SourceFile> m_source;
+    std::unique_ptr<Survey> m_survey;
     std::shared_ptr<PointCloud> m_cloud;
     std::filesystem::path m_folder;  ///< of journals; empty: none are kept
     std::unique_ptr<History> m_history;
-    std::atomic<bool> m_damaged;
+    std::atomic<bool> m_damaged = false;
+    std::vector<bool> m_damagedParts;  ///< complete once the points are read
     /// Held while the history moves, and while "saved" is noted down: a save never marks an edit that it missed.
     mutable std::mutex m_gate;
     std::uint64_t m_edits = 0;     ///< guarded by m_gate

@@ -34,6 +34,11 @@ bool hasValues(const Column& column, PointRange range)
         [](bool a, bool b) { return a || b; });
 }
 
+bool isColor(std::string_view column)
+{
+    return column == "Red" || column == "Green" || column == "Blue";
+}
+
 /// The members of a set that lie in the range, as a set of those points alone; null where there are none.
 std::shared_ptr<const PointSet> membersIn(const std::shared_ptr<const PointSet>& set, PointRange range)
 {
@@ -197,13 +202,18 @@ std::shared_ptr<PointCloud> Survey::partCloud(std::size_t part, Progress& progre
         }
         if (ofField[k]) cloud->addColumn(ofField[k]);
     }
+    // of red, green and blue a point format has all or none
+    const bool colored = std::any_of(m_columns.begin(), m_columns.end(), [&](const auto& column) {
+        return isColor(column->name()) && !pieces.contains(column.get()) && isThere(column) &&
+               hasValues(*column, p.points);
+    });
     for (const std::shared_ptr<Column>& column : m_cloud->columns()) {
         progress.check();
         if (pieces.contains(column.get())) continue;
         const auto known = std::find(m_columns.begin(), m_columns.end(), column);
         if (known != m_columns.end()) {  // another file's, unless edits gave it values here
             if (member.links.converted && isExtendedField(column->name())) continue;
-            if (!hasValues(*column, p.points)) continue;
+            if (isColor(column->name()) ? !colored : !hasValues(*column, p.points)) continue;
         }
         auto piece = std::make_shared<Column>(column->name(), column, p.points);
         pieces[column.get()] = piece;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "render/store/CloudLoad.h"
 
-#include "core/las/SourceFile.h"
 
 #include <utility>
 
@@ -10,7 +9,7 @@ namespace punctum::render
 
 CloudLoad::CloudLoad(std::shared_ptr<Session> session, OrderKind order)
     : m_session(std::move(session)),
-      m_store(std::make_shared<PointStore>(m_session->cloud(), m_session->source()->sampledBounds, order))
+      m_store(std::make_shared<PointStore>(m_session->cloud(), m_session->survey().sampledBounds(), order))
 {
 }
 

@@ -182,7 +182,7 @@ private slots:
         auto kept = keptJournals(place("journals"), m_progress);
         QCOMPARE(kept.size(), std::size_t(1));
         QCOMPARE(kept[0].edits.size(), std::size_t(2));
-        QCOMPARE(kept[0].file, m_path);
+        QCOMPARE(kept[0].files, std::vector{m_path});
         {
             const auto session = opened(true);
             const auto journal = session->findJournal(m_progress);
