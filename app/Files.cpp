@@ -32,9 +32,9 @@ std::string reason(int error)
 }
 
 /// Of opening and of reading, each once.
-std::vector<std::string> allWarnings(const las::SourceFile& source, const las::ReadResult& result)
+std::vector<std::string> allWarnings(const Survey& survey, const las::ReadResult& result)
 {
-    std::vector<std::string> all = source.warnings;
+    std::vector<std::string> all = survey.warnings();
     for (const std::string& warning : result.warnings)
         if (std::find(all.begin(), all.end(), warning) == all.end()) all.push_back(warning);
     return all;
@@ -74,7 +74,7 @@ std::shared_ptr<Session> loadForWriting(const fs::path& in, const fs::path& out,
     room.undo = undo;
     auto session = Session::open(in, room);
     const las::ReadResult result = session->read(progress);
-    for (const std::string& warning : allWarnings(*session->source(), result)) note(warning);
+    for (const std::string& warning : allWarnings(session->survey(), result)) note(warning);
     session->checkTarget(out);
     return session;
 }
@@ -150,7 +150,7 @@ DrawableCloud loadDrawable(const fs::path& path, Progress& progress, render::Ord
 {
     const render::CloudLoad load(Session::open(path), order);
     const las::ReadResult result = load.read(progress);
-    return {load.session()->cloud(), load.store(), result.bounds, allWarnings(*load.session()->source(), result)};
+    return {load.session()->cloud(), load.store(), result.bounds, allWarnings(load.session()->survey(), result)};
 }
 
 void writeWhole(const fs::path& path, std::string_view bytes)

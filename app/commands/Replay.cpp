@@ -54,7 +54,10 @@ void listJournal(const JournalContents& journal, bool json)
                                        {"values", shownValues(entry.recipe)},
                                        {"points_changed", entry.changed}});
             }
-        printJson({{"file", journal.file},
+        Json files = Json::array();
+        for (const auto& file : filesOfJournal(journal.file)) files.push_back(file.string());
+        printJson({{"file", files.empty() ? Json("") : files[0]},
+                   {"files", files},
                    {"points", journal.key.points},
                    {"entries", entries},
                    {"in_force", journal.inForce()},

@@ -150,4 +150,32 @@ SoundJournal soundPart(const std::filesystem::path& path, const std::string& tex
     return sound;
 }
 
+std::string journalFiles(const std::vector<std::filesystem::path>& files)
+{
+    std::string text;
+    for (const std::filesystem::path& file : files)
+        text += (text.empty() ? std::string() : std::string(1, '\0')) + file.string();
+    return text;
+}
+
+std::vector<std::filesystem::path> filesOfJournal(const std::string& files)
+{
+    std::vector<std::filesystem::path> paths;
+    for (std::size_t at = 0; at <= files.size();) {
+        const std::size_t end = std::min(files.find('\0', at), files.size());
+        if (end > at) paths.emplace_back(files.substr(at, end - at));
+        at = end + 1;
+    }
+    return paths;
+}
+
+std::string journalFileText(const std::string& files)
+{
+    const auto paths = filesOfJournal(files);
+    if (paths.empty()) return "a file";
+    const std::size_t others = paths.size() - 1;
+    return paths.front().string() +
+           (others == 0 ? "" : " and " + std::to_string(others) + (others == 1 ? " other file" : " other files"));
+}
+
 }  // namespace punctum

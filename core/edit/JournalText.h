@@ -35,12 +35,19 @@ struct JournalEntry {
 /// A journal as it was found.
 struct JournalContents {
     CloudKey key;
-    std::string file;  ///< where the cloud came from
+    std::string file;  ///< where the cloud came from: filesOfJournal()
     std::vector<JournalEntry> entries;
     std::string damage;  ///< a sentence when the journal could not be read to its end; else empty
     /// Names of the commands that are in force at the end, oldest first.
     std::vector<std::string> inForce() const;
 };
+
+/// The files of a journal as its one word for them has them, and back: paths with NUL between them, in the order of
+/// the points.
+std::string journalFiles(const std::vector<std::filesystem::path>& files);
+std::vector<std::filesystem::path> filesOfJournal(const std::string& files);
+/// For sentences: "a.laz" or "a.laz and 3 other files"; "a file" where it is not known.
+std::string journalFileText(const std::string& files);
 
 // -- the lines of a journal (docs/dev/journal.md), without the sum at their end (core/SummedText.h)
 

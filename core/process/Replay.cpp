@@ -71,8 +71,7 @@ Replayed replay(const JournalContents& journal, const PointCloud& cloud, History
 {
     if (!(keyOf(cloud, progress) == journal.key))
         throw Error("The journal is about another file, or this one was changed since: it was begun with " +
-                    (journal.file.empty() ? std::string("a file") : journal.file) + " of " +
-                    pointsText(journal.key.points) + ".");
+                    journalFileText(journal.file) + " of " + pointsText(journal.key.points) + ".");
     Replayed replayed;
     for (const JournalEntry& entry : journal.entries) {
         progress.check();

@@ -29,25 +29,6 @@ fs::path commonFolder(const std::vector<fs::path>& files)
     return common.empty() ? fs::path(".") : common;
 }
 
-std::string journalFiles(const std::vector<fs::path>& files)
-{
-    std::string text;
-    for (const fs::path& file : files)
-        text += (text.empty() ? std::string() : std::string(1, '\0')) + file.string();
-    return text;
-}
-
-std::vector<fs::path> filesOfJournal(const std::string& files)
-{
-    std::vector<fs::path> paths;
-    for (std::size_t at = 0; at <= files.size();) {
-        const std::size_t end = std::min(files.find('\0', at), files.size());
-        if (end > at) paths.emplace_back(files.substr(at, end - at));
-        at = end + 1;
-    }
-    return paths;
-}
-
 std::vector<std::size_t> changedNumbers(const std::vector<bool>& parts)
 {
     std::vector<std::size_t> numbers;

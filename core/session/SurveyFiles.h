@@ -15,11 +15,6 @@ namespace punctum
 /// The folder that holds all of the files, in itself or in folders inside; "." where there is none that is named.
 std::filesystem::path commonFolder(const std::vector<std::filesystem::path>& files);
 
-/// The files of a journal as its one word for them has them, and back: paths with NUL between them, in the order of
-/// the points.
-std::string journalFiles(const std::vector<std::filesystem::path>& files);
-std::vector<std::filesystem::path> filesOfJournal(const std::string& files);
-
 /// Indices of those that are true.
 std::vector<std::size_t> changedNumbers(const std::vector<bool>& parts);
 

@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/Text.h"
+#include "core/cloud/BlockBoxes.h"
 #include "core/las/CrsChange.h"
 #include "core/las/GpsTime.h"
 #include "core/las/Parallel.h"
@@ -141,6 +142,7 @@ void Survey::unite()
     las::makeColumns(*m_cloud, all.source->layout);
     m_cloud->setUnits(all.source->units);
     m_cloud->setSource(all.source);
+    m_cloud->setArriving(std::make_shared<BlockBoxes>(points));
     m_columns.assign(m_cloud->columns().begin(), m_cloud->columns().end());
 
     std::vector<std::vector<PointRange>> absent(m_columns.size());
@@ -341,10 +343,8 @@ las::ReadResult Survey::readPart(std::size_t part, Progress& progress, const las
             for (int axis = 0; axis < 3; ++axis)
                 out += member.grid(axis, {own[axis] + first, n}, shared[axis] + first);
         }
-        RawBounds box;
-        for (std::size_t i = first; i < first + n; ++i) box.include(shared[0][i], shared[1][i], shared[2][i]);
+        if (out == 0) return;
         const std::lock_guard lock(mutex);
-        bounds.include(box);
         beyond += out;
     };
     const auto convert = [&](PointRange range) {
@@ -368,6 +368,14 @@ las::ReadResult Survey::readPart(std::size_t part, Progress& progress, const las
     las::ReadResult result = reader->read(*view, progress, [&](PointRange range) {
         if (ownGrid) place(range);
         if (member.links.converted) convert(range);
+        const auto first = std::size_t(range.first);
+        const RawBounds box =
+            m_cloud->arriving()->include({p.points.first + range.first, p.points.first + range.last},
+                                         shared[0] + first, shared[1] + first, shared[2] + first);
+        if (ownGrid) {
+            const std::lock_guard lock(mutex);
+            bounds.include(box);
+        }
         if (sink) sink({p.points.first + range.first, p.points.first + range.last});
     });
     if (reader->source() != p.source) p.source->asRead->set(reader->source()->asRead->get());

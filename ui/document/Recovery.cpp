@@ -113,7 +113,8 @@ void Recovery::listKept(std::function<void(std::vector<KeptJournal>)> found)
 
 void Recovery::recoverKept(const KeptJournal& kept)
 {
-    const QString file = toQString(kept.file);
+    if (kept.files.empty()) return;
+    const QString file = toQString(kept.files.front());
     for (Document* document : m_workspace.documents())
         if (document->path() == file && !document->loading()) {
             m_workspace.setActive(document);

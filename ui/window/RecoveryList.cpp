@@ -20,6 +20,18 @@
 namespace punctum::ui
 {
 
+namespace
+{
+
+/// The file that the edits are of, or how many they are.
+QString fileText(const KeptJournal& journal)
+{
+    return journal.files.size() == 1 ? toQString(journal.files.front().filename())
+                                     : RecoveryList::tr("%n file(s)", nullptr, int(journal.files.size()));
+}
+
+}  // namespace
+
 RecoveryList::RecoveryList(Workspace& workspace, QWidget* parent)
     : QDialog(parent), m_workspace(workspace), m_list(new QTreeWidget)
 {
@@ -59,7 +71,7 @@ RecoveryList::RecoveryList(Workspace& workspace, QWidget* parent)
         if (!journal || !m_workspace.askQuestion) return;
         m_workspace.askQuestion({tr("Delete these edits?"),
                                  tr("%1 of %2 cannot be recovered then.")
-                                     .arg(editsText(journal->edits), toQString(journal->file.filename())),
+                                     .arg(editsText(journal->edits), fileText(*journal)),
                                  tr("&Delete")},
                                 [self = QPointer(this), path = journal->path](bool wanted) {
                                     if (!self || !wanted) return;
@@ -86,10 +98,14 @@ void RecoveryList::fill(std::vector<KeptJournal> journals)
     for (const KeptJournal& journal : m_journals) {
         const auto changed = QDateTime::fromSecsSinceEpoch(std::chrono::system_clock::to_time_t(journal.changed));
         const QString edits = editsText(journal.edits);
-        auto* item = new QTreeWidgetItem(m_list, {toQString(journal.file.filename()), edits,
-                                                  windowLocale().toString(changed, QLocale::ShortFormat),
-                                                  journal.setAside ? tr("set aside") : tr("waits for its file")});
-        item->setToolTip(0, toQString(journal.file));
+        QStringList files;
+        for (const std::filesystem::path& file : journal.files) files << toQString(file);
+        const QString name = journal.files.size() == 1 ? toQString(journal.files.front().filename())
+                                                       : tr("%n file(s)", nullptr, int(journal.files.size()));
+        auto* item =
+            new QTreeWidgetItem(m_list, {fileText(journal), edits, windowLocale().toString(changed, QLocale::ShortFormat),
+                                         journal.setAside ? tr("set aside") : tr("waits for its file")});
+        item->setToolTip(0, files.join(QLatin1Char('\n')));
         item->setToolTip(1, edits);
     }
     if (!m_journals.empty()) m_list->setCurrentItem(m_list->topLevelItem(0));
