@@ -5,6 +5,7 @@
 #include "core/Text.h"
 #include "core/cloud/BlockBoxes.h"
 #include "core/las/CrsChange.h"
+#include "core/las/FinishSaves.h"
 #include "core/las/GpsTime.h"
 #include "core/las/Parallel.h"
 #include "core/las/RecordBlocks.h"
@@ -75,9 +76,10 @@ std::unique_ptr<Survey> Survey::open(const std::vector<fs::path>& files, Progres
     const std::vector<fs::path> paths = distinct(files);
     if (paths.empty()) throw Error("There is no file to open.");
     std::unique_ptr<Survey> survey(new Survey());
+    progress.begin(paths.size() == 1 ? "Opening" : "Opening files", paths.size());
+    survey->m_warnings = las::finishSaves(paths);
     std::vector<Opened> opened(paths.size());
     const bool keepOpen = paths.size() <= kMostOpen;
-    progress.begin(paths.size() == 1 ? "Opening" : "Opening files", paths.size());
     las::forEachInOrder(paths.size(), [&](std::vector<std::byte>&, std::size_t k) {
         progress.check();
         try {
@@ -105,7 +107,7 @@ std::unique_ptr<Survey> Survey::open(const std::vector<fs::path>& files, Progres
         points += o.source->pointCount;
     }
     if (survey->m_parts.empty()) throw Error(failure);
-    survey->m_warnings = survey->m_losses;
+    survey->m_warnings.insert(survey->m_warnings.end(), survey->m_losses.begin(), survey->m_losses.end());
     survey->unite();
     return survey;
 }
@@ -117,7 +119,7 @@ void Survey::unite()
         m_cloud = m_members[0]->reader->createCloud();
         m_firstBounds = source->firstBounds;
         m_sampledBounds = source->sampledBounds;
-        m_warnings = source->warnings;
+        m_warnings.insert(m_warnings.end(), source->warnings.begin(), source->warnings.end());
         m_losses = source->losses;
         return;
     }

@@ -69,16 +69,16 @@ RecoveryList::RecoveryList(Workspace& workspace, QWidget* parent)
     connect(m_remove, &QPushButton::clicked, this, [this] {
         const KeptJournal* const journal = chosen();
         if (!journal || !m_workspace.askQuestion) return;
-        m_workspace.askQuestion({tr("Delete these edits?"),
-                                 tr("%1 of %2 cannot be recovered then.")
-                                     .arg(editsText(journal->edits), fileText(*journal)),
-                                 tr("&Delete")},
-                                [self = QPointer(this), path = journal->path](bool wanted) {
-                                    if (!self || !wanted) return;
-                                    self->m_workspace.recovery().removeKept(path, [self] {
-                                        if (self) self->look();
-                                    });
-                                });
+        m_workspace.askQuestion(
+            {tr("Delete these edits?"),
+             tr("%1 of %2 cannot be recovered then.").arg(editsText(journal->edits), fileText(*journal)),
+             tr("&Delete")},
+            [self = QPointer(this), path = journal->path](bool wanted) {
+                if (!self || !wanted) return;
+                self->m_workspace.recovery().removeKept(path, [self] {
+                    if (self) self->look();
+                });
+            });
     });
     takeChoice();
     look();
@@ -102,9 +102,9 @@ void RecoveryList::fill(std::vector<KeptJournal> journals)
         for (const std::filesystem::path& file : journal.files) files << toQString(file);
         const QString name = journal.files.size() == 1 ? toQString(journal.files.front().filename())
                                                        : tr("%n file(s)", nullptr, int(journal.files.size()));
-        auto* item =
-            new QTreeWidgetItem(m_list, {fileText(journal), edits, windowLocale().toString(changed, QLocale::ShortFormat),
-                                         journal.setAside ? tr("set aside") : tr("waits for its file")});
+        auto* item = new QTreeWidgetItem(
+            m_list, {fileText(journal), edits, windowLocale().toString(changed, QLocale::ShortFormat),
+                     journal.setAside ? tr("set aside") : tr("waits for its file")});
         item->setToolTip(0, files.join(QLatin1Char('\n')));
         item->setToolTip(1, edits);
     }
