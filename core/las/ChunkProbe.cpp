@@ -16,11 +16,11 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::size_t kDecodeStep = 1024;
+constexpr std::size_t kProbeStep = 1024;
 constexpr std::size_t kFewestZeros = 2;                    ///< at the end of a coder's bytes: RangeEncoder::finish
 constexpr std::size_t kByChance = 2;                       ///< more of them are no surprise
 constexpr std::size_t kLongZeros = 16;                     ///< that many in a row no coder writes by chance
-constexpr std::size_t kSector = 512;                       ///< the least that a copy leaves out
+constexpr std::size_t kLeastHole = 512;                    ///< the least that a copy leaves out
 constexpr std::size_t kMostProved = std::size_t(1) << 30;  ///< bytes of records that are compressed for a proof
 constexpr std::size_t kWindow = std::size_t(1) << 16;
 
@@ -77,10 +77,10 @@ std::uint64_t ChunkProbe::decodable(const Chunk& chunk, std::uint64_t count, std
         data = load(chunk);
         decoder.emplace(m_info, data, count);
     }
-    std::vector<std::byte> records(kDecodeStep * m_info.recordLength);
+    std::vector<std::byte> records(kProbeStep * m_info.recordLength);
     std::uint64_t n = 0;
     while (n < count) {
-        const auto step = std::size_t(std::min<std::uint64_t>(kDecodeStep, count - n));
+        const auto step = std::size_t(std::min<std::uint64_t>(kProbeStep, count - n));
         const std::size_t got = decoder->decode(step, records.data());
         n += got;
         if (got < step) break;
@@ -113,10 +113,10 @@ std::uint64_t ChunkProbe::pointsUntilEnd(const Chunk& chunk) const
 Chunk ChunkProbe::next(std::uint64_t at, std::uint64_t end, std::uint64_t first, std::uint64_t want) const
 {
     PointDecoder decoder(m_info, m_file, at, end - at, want);
-    std::vector<std::byte> records(kDecodeStep * m_info.recordLength);
+    std::vector<std::byte> records(kProbeStep * m_info.recordLength);
     std::uint64_t n = 0;
     while (n < want) {
-        const auto step = std::size_t(std::min<std::uint64_t>(kDecodeStep, want - n));
+        const auto step = std::size_t(std::min<std::uint64_t>(kProbeStep, want - n));
         const std::size_t got = decoder.decode(step, records.data());
         n += got;
         if (got < step) break;
@@ -155,7 +155,7 @@ Chunk ChunkProbe::withoutZeros(const Chunk& chunk) const
             return chunk;
     } else {  // nothing proves it: short runs are believed but at the end
         const std::uint64_t last = zerosBefore(m_file, coded, end);
-        zeros = std::min(zerosFrom(m_file, coded, end, kSector), end - last >= kLongZeros ? last : end);
+        zeros = std::min(zerosFrom(m_file, coded, end, kLeastHole), end - last >= kLongZeros ? last : end);
         if (zeros == end) return chunk;
     }
     Chunk sound = chunk;

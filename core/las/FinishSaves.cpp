@@ -37,7 +37,7 @@ std::optional<ContentStamp> contentsOf(const fs::path& path)
     return ContentStamp{stamp.size, stamp.modified};
 }
 
-bool holds(const fs::path& temporary, const ManifestEntry& entry)
+bool isAsWritten(const fs::path& temporary, const ManifestEntry& entry)
 {
     try {
         return digestOfFile(File(temporary)) == entry.digest;
@@ -67,7 +67,7 @@ void finishFile(const fs::path& folder, const ManifestEntry& entry, Outcome& out
     const bool untouched = now == entry.before;
     if (!there) {  // it has its name, and may have been changed since; or was deleted
         if (untouched && now != entry.written) outcome.lost.push_back(name);
-    } else if (!(there == entry.written && holds(temporary, entry))) {
+    } else if (!(there == entry.written && isAsWritten(temporary, entry))) {
         (untouched ? outcome.lost : outcome.changed).push_back(name);
         outcome.kept.push_back(shownName(temporary));
     } else if (!untouched) {

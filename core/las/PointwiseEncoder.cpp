@@ -10,7 +10,7 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::size_t kCancelStep = 4096;  ///< points between two looks at the cancel flag
+constexpr std::size_t kEncodeStep = 4096;  ///< points between two looks at the cancel flag
 /// A record takes at most some three times its bytes: each of its values a few symbols of at most 15 bits, and
 /// bits.
 constexpr std::size_t kMostGrowth = 8;
@@ -27,7 +27,7 @@ std::vector<std::byte> encodePointwise(const LazInfo& info, std::span<const std:
     out.reserve(records.size() / kUsualShrinking);
     items->start(records.data());
     for (std::size_t k = 1; k < count; ++k) {
-        if (k % kCancelStep == 0) progress.check();
+        if (k % kEncodeStep == 0) progress.check();
         out.reserve(kMostGrowth * length);
         items->encode(out, records.data() + k * length);
     }

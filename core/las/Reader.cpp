@@ -25,7 +25,7 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::size_t kBlockBytes = std::size_t(5) << 17;  ///< LAS: read at once by a thread; stays in its L2 cache
+constexpr std::size_t kReadBytes = std::size_t(5) << 17;  ///< LAS: read at once by a thread; stays in its L2 cache
 constexpr std::size_t kSliceBytes = std::size_t(1) << 18;
 constexpr std::uint64_t kSlicePoints = 64;       ///< whole cache lines in each column
 constexpr std::uint64_t kMostInBlock = 1 << 14;  ///< points, LAS
@@ -134,7 +134,7 @@ void Reader::Impl::visitPlain(Shared& shared) const
     const SourceFile& s = *parsed.source;
     const std::uint64_t length = s.layout.length;
     // Powers of two: whole groups of those who deal the points out, and of 64, which share the words of sets.
-    std::uint64_t block = std::bit_floor(std::clamp<std::uint64_t>(kBlockBytes / length, 64, kMostInBlock));
+    std::uint64_t block = std::bit_floor(std::clamp<std::uint64_t>(kReadBytes / length, 64, kMostInBlock));
     while (s.pointCount / block / kRowOfBlocks >= UINT32_MAX) block *= 2;
     const std::uint64_t row = block * kRowOfBlocks;
     const auto rows = std::uint32_t((s.pointCount + row - 1) / row);

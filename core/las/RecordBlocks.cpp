@@ -15,7 +15,8 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::size_t kPieceBytes = 16 << 10;  ///< of records: with the columns' ends it fits a 32 KiB L1 cache
+constexpr std::size_t kTransposedBytes = 16
+                                         << 10;  ///< of records: with the columns' ends it fits a 32 KiB L1 cache
 
 constexpr std::size_t kGroupBytes = 16;
 constexpr std::size_t kTogether = 16;  ///< records: as many bytes as a vector has
@@ -154,7 +155,7 @@ void Deinterleaver::operator()(const std::byte* records, std::size_t count,
     };
     // What a group reads behind the last field of a record must be there: at least one record stays for the end.
     const std::size_t together = m_groups.empty() || count == 0 ? 0 : (count - 1) / kTogether * kTogether;
-    const std::size_t piece = std::max<std::size_t>(1, kPieceBytes / m_stride / kTogether) * kTogether;
+    const std::size_t piece = std::max<std::size_t>(1, kTransposedBytes / m_stride / kTogether) * kTogether;
     for (std::size_t first = 0; first < together; first += piece) {
         const std::size_t last = std::min(together, first + piece);
         for (const Group& group : m_groups)
@@ -172,7 +173,7 @@ void interleave(const RecordLayout& layout, std::span<const std::byte* const> co
                 std::byte* records)
 {
     const std::size_t stride = layout.length;
-    const std::size_t piece = std::max<std::size_t>(1, kPieceBytes / stride);
+    const std::size_t piece = std::max<std::size_t>(1, kTransposedBytes / stride);
     for (std::size_t first = 0; first < count; first += piece) {
         const std::size_t n = std::min(piece, count - first);
         for (std::size_t k = 0; k < layout.fields.size(); ++k) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include "core/las/RecordMaker.h"
+
 #include "core/las/RecordBlocks.h"
-#include "core/las/WritePlan.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +13,7 @@ namespace punctum::las
 namespace
 {
 
-constexpr std::size_t kPiece = 4096;  ///< points converted at once
+constexpr std::size_t kMadeAtOnce = 4096;  ///< points converted at once
 
 /// Return number and number of returns of the formats 6-10 in the bits of the formats 0-5. Of more than 7 returns
 /// the last one stays the last, and no other becomes one.
@@ -26,9 +27,9 @@ std::uint8_t classicReturns(std::uint8_t extended) noexcept
 
 /// Packed fields of the target, for a piece of points.
 struct Packed {
-    std::array<std::uint8_t, kPiece> returns, flags, classes;
-    std::array<std::int16_t, kPiece> angle16;
-    std::array<std::int8_t, kPiece> angle8;
+    std::array<std::uint8_t, kMadeAtOnce> returns, flags, classes;
+    std::array<std::int16_t, kMadeAtOnce> angle16;
+    std::array<std::int8_t, kMadeAtOnce> angle8;
 
     /// `w`: classes of their own, or null: those in `c`.
     void toExtended(const std::uint8_t* r, const std::uint8_t* c, const std::uint8_t* w, const std::int8_t* a,
@@ -83,7 +84,7 @@ RecordMaker::RecordMaker(RecordLayout layout, std::vector<std::shared_ptr<const 
 void RecordMaker::make(PointRange range, std::byte* records) const
 {
     m_kept.forEachRun(range, [&](PointRange run, PointIndex) {
-        const PointIndex piece = m_conversion == Conversion::None ? run.size() : kPiece;
+        const PointIndex piece = m_conversion == Conversion::None ? run.size() : kMadeAtOnce;
         for (PointIndex i = run.first; i < run.last; i += piece) {
             const PointIndex n = std::min(piece, run.last - i);
             makePiece(i, std::size_t(n), records);

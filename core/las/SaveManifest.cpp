@@ -19,11 +19,11 @@ constexpr std::string_view kFirstLine = "punctum-save 1", kAnyVersion = "punctum
 constexpr std::string_view kNameStart = ".punctum-save-";
 constexpr std::size_t kDigestPlaces = 16, kDigestBytes = 4096;
 constexpr std::size_t kMostFiles = 1'000'000;
-constexpr std::size_t kLongestName = 255;
+constexpr std::size_t kLongestPlainName = 255;
 
 bool isPlainName(const std::string& name)
 {
-    return !name.empty() && name.size() <= kLongestName && name != "." && name != ".." &&
+    return !name.empty() && name.size() <= kLongestPlainName && name != "." && name != ".." &&
            name.find('/') == std::string::npos && name.find('\0') == std::string::npos;
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/las/ChunkPlan.h"
-#include "core/las/FormatNeeds.h"
+#include "core/las/RecordMaker.h"
 #include "core/las/SourceFile.h"
 #include "core/las/Writer.h"
 
@@ -20,41 +20,9 @@ class Progress;
 namespace punctum::las
 {
 
-/// Makes records of the target format from the columns of a cloud, block by block. Keeps the columns alive.
-class RecordMaker
-{
-public:
-    /// How bytes 14 to 19 change between the formats 0-5 and 6-10. FoldClasses: only the class, from a column of
-    /// its own back into the byte of formats 0-5.
-    enum class Conversion { None, ToExtended, ToClassic, FoldClasses };
-
-    /// `columns[k]` fills field k of `layout`; null: zeros. `packed`: what a conversion takes its fields from.
-    /// `kept`: the points that are written, in order.
-    RecordMaker(RecordLayout layout, std::vector<std::shared_ptr<const Column>> columns, Conversion conversion,
-                PackedColumns packed, KeptPoints kept);
-
-    const RecordLayout& layout() const noexcept { return m_layout; }
-    PointIndex points() const noexcept { return m_kept.count(); }
-    /// The points of the cloud that are written.
-    const KeptPoints& kept() const noexcept { return m_kept; }
-    /// Writes the records of `range` (of the written points) to `records`. May be called from several threads.
-    void make(PointRange range, std::byte* records) const;
-
-private:
-    void makePiece(PointIndex first, std::size_t count, std::byte* records) const;
-
-    RecordLayout m_layout;
-    std::vector<std::shared_ptr<const Column>> m_columns;
-    Conversion m_conversion;
-    PackedColumns m_packed;
-    int m_returns, m_flags, m_classes,
-        m_angle;  ///< fields of m_layout: Returns, Classes or Flags and so on; -1: none
-    KeptPoints m_kept;
-};
-
 /// All of a file that is to be written, but for the points themselves, which `maker` makes.
 struct WritePlan {
-    std::unique_ptr<RecordMaker> maker;
+    std::shared_ptr<const RecordMaker> maker;
     bool compressed = false;
     LazInfo laz;                       ///< when compressed: what LASzip writes for these records
     ChunkPlan chunks;                  ///< when compressed
@@ -75,12 +43,11 @@ struct WritePlan {
     void setCompression(bool originVersions, bool moved);
     /// Takes a record out, and keeps waveformEvlr on its record.
     void eraseEvlr(std::size_t k);
-    /// Takes those out of `list`, the VLRs to be, and of the EVLRs for which which(vlr) is true; how many there
-    /// were.
+    /// Takes those VLRs and EVLRs out for which which(vlr) is true; how many there were.
     template <typename Which>
-    std::size_t dropRecords(std::vector<Vlr>& list, const Which& which)
+    std::size_t dropRecords(const Which& which)
     {
-        std::size_t dropped = std::erase_if(list, which);
+        std::size_t dropped = std::erase_if(vlrs, which);
         for (std::size_t k = evlrs.size(); k-- > 0;)
             if (which(evlrs[k])) {
                 eraseEvlr(k);
@@ -88,6 +55,7 @@ struct WritePlan {
             }
         return dropped;
     }
+    void note(const std::string& sentence) { notes.push_back(sentence); }
     /// Fills in the header's positions of what comes after the points; call when the points' end is known.
     void setPointDataEnd(std::uint64_t end);
     /// Gap, EVLRs and tail as they are written after the points.
