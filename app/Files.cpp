@@ -67,22 +67,64 @@ void checkFolder(const fs::path& path)
         throw Error(path, "Nothing can be written to the folder " + folder.string() + reason(errno));
 }
 
-std::shared_ptr<Session> loadForWriting(const fs::path& in, const fs::path& out, Progress& progress, bool undo)
+std::vector<fs::path> inputFiles(const std::vector<std::string>& words, Progress& progress)
 {
-    checkFolder(out);
+    std::vector<fs::path> files;
+    for (const std::string& word : words) {
+        if (!standsForFiles(word)) {
+            files.emplace_back(word);
+            continue;
+        }
+        FoundFiles found;
+        addFilesOf(word, found, progress);
+        if (found.files.empty()) throw Error(word, "There is no LAS or LAZ file in it.");
+        if (found.closedFolders != 0)
+            note(word + ": " + grouped(found.closedFolders) + " of its folders could not be read.");
+        if (found.remote != 0) note(word + ": " + grouped(found.remote) + " files on servers are left out.");
+        files.insert(files.end(), found.files.begin(), found.files.end());
+    }
+    return files;
+}
+
+Output outputOf(const std::string& word, bool several)
+{
+    std::error_code error;
+    if (word.ends_with('/') || fs::is_directory(word, error) || (several && !isCloudName(word))) {
+        const fs::path path(word);
+        return {path.has_filename() ? path : path.parent_path(), true};
+    }
+    checkCloudName(word);
+    return {word, false};
+}
+
+std::shared_ptr<Session> loadForWriting(const std::vector<fs::path>& in, const Output& out, Progress& progress,
+                                        bool undo)
+{
+    checkFolder(out.path);
     HistoryRoom room;
     room.undo = undo;
-    auto session = Session::open(in, room);
+    auto session = Session::open(in, room, progress);
     const las::ReadResult result = session->read(progress);
     for (const std::string& warning : allWarnings(session->survey(), result)) note(warning);
-    session->checkTarget(out);
+    for (const SessionPart& part : session->parts())
+        session->checkTarget(out.folder ? out.path / part.path.filename() : out.path);
     return session;
 }
 
-las::WriteReport saveSession(Session& session, const fs::path& path, const las::WriteOptions& options,
+las::WriteReport saveSession(Session& session, const Output& out, const las::WriteOptions& options,
                              Progress& progress)
 {
-    return withHints([&] { return session.save({path, options, false, {}}, progress).report; });
+    if (out.folder) {
+        std::error_code error;
+        fs::create_directory(out.path, error);
+        if (error) throw Error(out.path, "The folder could not be made: " + error.message() + ".");
+    }
+    return withHints([&] {
+        if (session.many() && !out.folder) return session.merge(out.path, options, progress);
+        const bool named = out.folder && !session.many();
+        const fs::path target = named ? out.path / session.path().filename() : out.path;
+        return session.save({.target = target, .options = options, .compare = false}, progress).report;
+    });
 }
 
 las::WriteReport withHints(const std::function<las::WriteReport()>& write)
@@ -146,11 +188,16 @@ void reportWritten(const las::WriteReport& report, const fs::path& path, bool js
     print(path.string() + ": " + pointsText(report.points) + ", " + grouped(report.bytes) + " bytes\n");
 }
 
-DrawableCloud loadDrawable(const fs::path& path, Progress& progress, render::OrderKind order)
+DrawableCloud loadDrawable(const std::vector<fs::path>& files, Progress& progress, render::OrderKind order)
 {
-    const render::CloudLoad load(Session::open(path), order);
+    const render::CloudLoad load(Session::open(files, {}, progress), order);
     const las::ReadResult result = load.read(progress);
     return {load.session()->cloud(), load.store(), result.bounds, allWarnings(load.session()->survey(), result)};
+}
+
+DrawableCloud loadDrawable(const std::string& word, Progress& progress, render::OrderKind order)
+{
+    return loadDrawable(inputFiles({word}, progress), progress, order);
 }
 
 void writeWhole(const fs::path& path, std::string_view bytes)

@@ -26,15 +26,28 @@ void checkCloudName(const std::filesystem::path& path);
 /// Throws Error when the folder that is to hold `path` is not there, before any work is spent.
 void checkFolder(const std::filesystem::path& path);
 
-/// A session with all points of `in`, in order to write `out`: puts warnings on stderr, and throws Error when that
-/// would replace a damaged original by what could be read of it. `undo`: the history is walked through. Throws
+/// What the words of a command line name: files, and the files of folders and virtual point clouds, each once and
+/// in the order of the words. Throws Error when a folder cannot be read or has no LAS or LAZ file.
+std::vector<std::filesystem::path> inputFiles(const std::vector<std::string>& words, Progress& progress);
+
+/// Where a command writes to: a file, or a folder, in which each file of a survey gets its own name.
+struct Output {
+    std::filesystem::path path;
+    bool folder = false;
+};
+/// A folder where there is one, where the word ends in a slash, and for several files where it names no LAS or LAZ
+/// file. Throws UsageError for any other word.
+Output outputOf(const std::string& word, bool several);
+
+/// A session with all points of the files, in order to write `out`: puts warnings on stderr, and throws Error when
+/// that would replace a damaged original by what could be read of it. `undo`: the history is walked through. Throws
 /// Error, Cancelled.
-std::shared_ptr<Session> loadForWriting(const std::filesystem::path& in, const std::filesystem::path& out,
+std::shared_ptr<Session> loadForWriting(const std::vector<std::filesystem::path>& in, const Output& out,
                                         Progress& progress, bool undo = false);
 
-/// Session::save() without telling what changed, with a hint at the option that says yes to its question. Throws
-/// Error, Cancelled.
-las::WriteReport saveSession(Session& session, const std::filesystem::path& path, const las::WriteOptions& options,
+/// Session::save() without telling what changed, or merge() of several files into one, with a hint at the option
+/// that says yes to its question. Makes the folder where there is none. Throws Error, Cancelled.
+las::WriteReport saveSession(Session& session, const Output& out, const las::WriteOptions& options,
                              Progress& progress);
 /// `write()`, with a hint at the option that says yes to its question.
 las::WriteReport withHints(const std::function<las::WriteReport()>& write);
@@ -57,8 +70,11 @@ struct DrawableCloud {
     std::vector<std::string> warnings;
 };
 
-/// Loads a file and fills its store on the way. Throws Error, Cancelled.
-DrawableCloud loadDrawable(const std::filesystem::path& path, Progress& progress,
+/// Loads files as one survey and fills its store on the way. Throws Error, Cancelled.
+DrawableCloud loadDrawable(const std::vector<std::filesystem::path>& files, Progress& progress,
+                           render::OrderKind order = render::OrderKind::Stratified);
+/// The same of what a word names: inputFiles().
+DrawableCloud loadDrawable(const std::string& word, Progress& progress,
                            render::OrderKind order = render::OrderKind::Stratified);
 
 /// Writes bytes to a file, whole or not at all, as las::AtomicFile does; to a pipe or a device straight. Throws

@@ -97,7 +97,8 @@ void Figures::report(const BenchOptions& options) const
 
 void addBenchOptions(CLI::App& command, BenchOptions& options)
 {
-    command.add_option("FILE", options.file, "LAS or LAZ file")->required();
+    command.add_option("FILE", options.file, "LAS or LAZ file; most take a folder or a .vpc as a survey")
+        ->required();
     command.add_option("--rounds", options.rounds, "How often to measure; default 5")
         ->type_name("N")
         ->check(CLI::Range(1, 1000));

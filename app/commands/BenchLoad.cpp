@@ -2,6 +2,7 @@
 // punctum bench load: from the file to columns and store, beside what a bare loop over the same file takes.
 #include "app/commands/Bench.h"
 #include "core/Error.h"
+#include "core/FindFiles.h"
 #include "core/las/Reader.h"
 #include "core/las/SourceFile.h"
 #include "core/task/Progress.h"
@@ -150,12 +151,13 @@ void measureFirstImage(const std::string& file, Figures& figures, Progress& prog
     renderer.setDisplay(render::DisplaySettings());
 
     const Clock clock;
-    const render::CloudLoad load(Session::open(file));
+    const render::CloudLoad load(Session::open(inputFiles({file}, progress), {}, progress));
     renderer.addCloud(load.store());
     render::Camera camera;
     camera.setView("iso");
-    camera.stretch = trueLengths(*load.session()->cloud(), load.session()->source()->firstBounds).stretch;
-    camera.fit(load.session()->source()->firstBounds, {kBenchWidth, kBenchHeight});
+    const WorldBounds bounds = load.session()->survey().firstBounds();
+    camera.stretch = trueLengths(*load.session()->cloud(), bounds).stretch;
+    camera.fit(bounds, {kBenchWidth, kBenchHeight});
     renderer.setCamera(camera);
 
     std::atomic<bool> ended{false};
@@ -190,8 +192,28 @@ void measureFirstImage(const std::string& file, Figures& figures, Progress& prog
     figures.add("seconds_while_drawing", seconds);
 }
 
+/// Of a survey of many files nothing bare is there to compare with.
+void runBenchSurvey(const std::vector<std::filesystem::path>& files, const BenchOptions& options,
+                    Progress& progress)
+{
+    Figures figures;
+    for (const auto& file : files) warmFileCache(file, progress);
+    figures.fact("files", files.size());
+    figures.fact("points", Session::open(files, {}, progress)->cloud()->size());
+    figures.fact("threads", std::thread::hardware_concurrency());
+    for (int round = 0; round < options.rounds; ++round) {
+        progress.check();
+        double seconds = 0;
+        measureLoad(options.file, figures, progress, seconds);
+        measureFirstImage(options.file, figures, progress);
+    }
+    figures.report(options);
+}
+
 void runBenchLoad(const BenchOptions& options, Progress& progress)
 {
+    if (standsForFiles(options.file))
+        return runBenchSurvey(inputFiles({options.file}, progress), options, progress);
     const auto reader = las::Reader::open(options.file);
     warmFileCache(options.file, progress);
     const las::SourceFile& source = *reader->source();

@@ -28,8 +28,9 @@ struct ConvertOptions {
 
 void runConvert(const ConvertOptions& options, Progress& progress)
 {
-    checkCloudName(options.out);
-    const auto session = loadForWriting(options.in, options.out, progress);
+    const std::vector<std::filesystem::path> files = inputFiles({options.in}, progress);
+    const Output out = outputOf(options.out, files.size() > 1);
+    const auto session = loadForWriting(files, out, progress);
     las::WriteOptions write;
     if (!options.version.empty()) write.versionMinor = std::uint8_t(options.version.back() - '0');
     if (options.format >= 0) write.pointFormat = std::uint8_t(options.format);
@@ -37,7 +38,7 @@ void runConvert(const ConvertOptions& options, Progress& progress)
     write.replaceProtected = options.replaceProtected;
     write.upgrade = options.upgrade;
     write.lossy = options.lossy;
-    reportWritten(saveSession(*session, options.out, write, progress), options.out, options.json);
+    reportWritten(saveSession(*session, out, write, progress), options.out, options.json);
 }
 
 }  // namespace
@@ -48,8 +49,12 @@ void addConvert(CLI::App& root, Action& action)
                                    "Write a cloud again as LAS or LAZ, as the ending of OUT says. "
                                    "Every field of every point, every record and the header are kept.");
     const auto options = std::make_shared<ConvertOptions>();
-    command.add_option("IN", options->in, "LAS or LAZ file to read")->required();
-    command.add_option("OUT", options->out, "File to write: .las or .laz")->required();
+    command.add_option("IN", options->in, "LAS or LAZ file to read; a folder or a .vpc is taken as one survey")
+        ->required();
+    command
+        .add_option("OUT", options->out,
+                    "File to write (.las or .laz), or a folder, in which each file gets its own name")
+        ->required();
     command
         .add_option("--las-version", options->version,
                     "LAS version to write, with the nearest point format that it has; default: as IN")

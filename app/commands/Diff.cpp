@@ -2,11 +2,19 @@
 // punctum diff: what differs between two clouds on disk, exactly.
 #include "core/las/Diff.h"
 #include "app/Console.h"
+#include "app/Files.h"
 #include "app/commands/Command.h"
+#include "core/Error.h"
+#include "core/FindFiles.h"
+#include "core/Text.h"
+#include "core/session/SurveyFiles.h"
 #include "core/task/Progress.h"
 
 #include <cmath>
+#include <filesystem>
+#include <map>
 #include <memory>
+#include <utility>
 
 namespace punctum::app
 {
@@ -117,8 +125,82 @@ Json jsonOf(const Options& options, const las::Difference& d, const std::vector<
             {"warnings", warnings}};
 }
 
+/// The files of two surveys by their names, as far as both have them.
+struct Pairs {
+    std::vector<std::pair<std::filesystem::path, std::filesystem::path>> both;
+    std::vector<std::string> onlyA, onlyB;
+};
+
+Pairs pairsOf(const Options& options, Progress& progress)
+{
+    const auto byName = [&](const std::string& word) {
+        std::map<std::string, std::filesystem::path> files;
+        for (const auto& file : inputFiles({word}, progress))
+            if (!files.emplace(file.filename().string(), file).second)
+                throw Error(word, "Two files have the name " + file.filename().string() +
+                                      ", so that they cannot be told apart by it.");
+        return files;
+    };
+    const auto a = byName(options.a), b = byName(options.b);
+    Pairs pairs;
+    for (const auto& [name, file] : a) {
+        const auto other = b.find(name);
+        if (other == b.end())
+            pairs.onlyA.push_back(name);
+        else
+            pairs.both.emplace_back(file, other->second);
+    }
+    for (const auto& [name, file] : b)
+        if (!a.contains(name)) pairs.onlyB.push_back(name);
+    return pairs;
+}
+
+/// File by file, and what differs in all of them together.
+void diffSurveys(const Options& options, Progress& progress)
+{
+    const Pairs pairs = pairsOf(options, progress);
+    las::Difference all;
+    std::vector<std::string> warnings;
+    Json files = Json::array();
+    std::string text;
+    std::size_t differing = 0;
+    bool bytesDiffer = false;
+    for (const auto& [a, b] : pairs.both) {
+        std::vector<std::string> said;
+        const las::Difference d = las::diffFiles(a, b, {options.bytes}, progress, &said);
+        addDifference(d, all);
+        warnings.insert(warnings.end(), said.begin(), said.end());
+        bytesDiffer = bytesDiffer || d.firstByte;
+        if (d.contentEqual() && !d.firstByte) continue;
+        ++differing;
+        const std::string name = a.filename().string();
+        std::string what = las::summary(d);
+        if (what.empty()) what = "the bytes, from byte " + grouped(*d.firstByte) + " on";
+        files.push_back({{"file", name}, {"summary", what}, {"differing_points", d.differing}});
+        text += name + ": " + what + "\n";
+    }
+    if (options.json) {
+        Json report = jsonOf(options, all, warnings);
+        report["equal"] = all.contentEqual() && pairs.onlyA.empty() && pairs.onlyB.empty();
+        report["files"] = pairs.both.size();
+        report["differing_files"] = std::move(files);
+        report["only_in_a"] = pairs.onlyA;
+        report["only_in_b"] = pairs.onlyB;
+        printJson(report);
+    } else {
+        for (const std::string& warning : warnings) note(warning);
+        for (const std::string& name : pairs.onlyA) text += name + ": only in " + options.a + "\n";
+        for (const std::string& name : pairs.onlyB) text += name + ": only in " + options.b + "\n";
+        text += grouped(differing) + " of " + grouped(pairs.both.size()) + " files differ";
+        if (const std::string what = las::summary(all); !what.empty()) text += ": " + what;
+        print(text + ".\n");
+    }
+    if (!all.contentEqual() || bytesDiffer || !pairs.onlyA.empty() || !pairs.onlyB.empty()) throw Reported{};
+}
+
 void runDiff(const Options& options, Progress& progress)
 {
+    if (standsForFiles(options.a) && standsForFiles(options.b)) return diffSurveys(options, progress);
     std::vector<std::string> warnings;
     const las::Difference d = las::diffFiles(options.a, options.b, {options.bytes}, progress, &warnings);
     if (options.json) {
@@ -138,10 +220,12 @@ void addDiff(CLI::App& root, Action& action)
         root, "diff",
         "Tell what differs between two LAS or LAZ files: header fields, records (VLRs), and for each attribute how "
         "many points. Exit code 1 when anything differs. How the points are stored, LAS or LAZ, is told apart and "
-        "counts only with --bytes.");
+        "counts only with --bytes. Of two folders or .vpc, the files of the same name are compared.");
     const auto options = std::make_shared<Options>();
-    command.add_option("A", options->a, "LAS or LAZ file")->required();
-    command.add_option("B", options->b, "LAS or LAZ file to compare it with")->required();
+    command.add_option("A", options->a, "LAS or LAZ file, or a folder or a .vpc of them")->required();
+    command
+        .add_option("B", options->b, "What to compare it with: a file with a file, a folder or a .vpc with another")
+        ->required();
     command.add_flag("--bytes", options->bytes,
                      "The files must be the same byte for byte; tells the first byte that differs");
     command.add_flag("--json", options->json, "Report in JSON");

@@ -36,7 +36,7 @@ void runExtract(const ExtractOptions& options, Progress& progress)
     std::error_code ignored;
     if (std::filesystem::equivalent(options.in, options.out, ignored))
         throw UsageError("OUT is IN: points that are left out would be lost. Name another file");
-    const auto session = loadForWriting(options.in, options.out, progress);
+    const auto session = loadForWriting(inputFiles({options.in}, progress), {options.out, false}, progress);
     const PointCloud& cloud = *session->cloud();
     const auto points = expression::select(cloud, expression::Condition(options.where, cloud), progress);
     las::WriteOptions write;
@@ -55,7 +55,8 @@ void addExtract(CLI::App& root, Action& action)
                    "Write the points for which a condition holds, such as --where \"not Withheld\" or "
                    "--where \"Classification in (2, 6)\". Header, records and every value are kept.");
     const auto options = std::make_shared<ExtractOptions>();
-    command.add_option("IN", options->in, "LAS or LAZ file to read")->required();
+    command.add_option("IN", options->in, "LAS or LAZ file to read; a folder or a .vpc is taken as one survey")
+        ->required();
     command.add_option("-o,--output", options->out, "File to write: .las or .laz")->type_name("OUT")->required();
     command.add_option("--where", options->where, "Condition over attributes; the user guide tells the language")
         ->type_name("CONDITION")

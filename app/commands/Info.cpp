@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // punctum info: what is in a file, computed from its points, and what is wrong with it.
 #include "app/Console.h"
+#include "app/Files.h"
 #include "app/commands/Command.h"
 #include "app/commands/InfoReport.h"
 #include "core/Error.h"
@@ -23,7 +24,8 @@ void runInfo(const InfoOptions& options, Progress& progress)
     Json all = Json::array();
     bool failed = false;
     bool first = true;
-    for (const std::string& file : options.files) {
+    const std::vector<std::filesystem::path> files = inputFiles(options.files, progress);
+    for (const std::filesystem::path& file : files) {
         try {
             const FileInfo info = inspect(file, progress);
             if (options.json)
@@ -37,7 +39,7 @@ void runInfo(const InfoOptions& options, Progress& progress)
             failed = true;
         }
     }
-    if (options.json && !all.empty()) printJson(options.files.size() == 1 ? all[0] : all);
+    if (options.json && !all.empty()) printJson(files.size() == 1 ? all[0] : all);
     if (failed) throw Reported{};
 }
 
@@ -51,7 +53,7 @@ void addInfo(CLI::App& root, Action& action)
         "class, return and flag, density and GPS time computed from the points, and what is wrong with the "
         "file and would mend it.");
     const auto options = std::make_shared<InfoOptions>();
-    command.add_option("FILE", options->files, "LAS or LAZ files")->required();
+    command.add_option("FILE", options->files, "LAS or LAZ files, or folders and .vpc of them")->required();
     command.add_flag("--json", options->json, "Print JSON: an object for one file, an array for several");
     command.callback([options, &action] { action = [options](Progress& p) { runInfo(*options, p); }; });
 }

@@ -20,7 +20,7 @@ namespace
 {
 
 struct ProcessOptions {
-    std::string in;
+    std::vector<std::string> in;
     std::string out;
     std::vector<std::string> steps;
     bool upgrade = false;
@@ -150,8 +150,9 @@ void runProcess(const ProcessOptions& options, Progress& progress)
             throw UsageError(error.what());
         }
     }
-    checkCloudName(options.out);
-    const auto session = loadForWriting(options.in, options.out, progress);
+    const std::vector<std::filesystem::path> files = inputFiles(options.in, progress);
+    const Output out = outputOf(options.out, files.size() > 1);
+    const auto session = loadForWriting(files, out, progress);
 
     Json report = Json::array();
     for (std::size_t k = 0; k < steps.size(); ++k) {
@@ -174,8 +175,7 @@ void runProcess(const ProcessOptions& options, Progress& progress)
     write.verify = !options.noVerify;
     write.replaceProtected = options.replaceProtected;
     write.upgrade = options.upgrade;
-    reportWritten(saveSession(*session, options.out, write, progress), options.out, options.json,
-                  {{"steps", report}});
+    reportWritten(saveSession(*session, out, write, progress), options.out, options.json, {{"steps", report}});
 }
 
 }  // namespace
@@ -186,9 +186,13 @@ void addProcess(CLI::App& root, Action& action)
                                    "Run processing steps over a cloud, one after the other, and write "
                                    "the result. --list-steps tells which steps there are.");
     const auto options = std::make_shared<ProcessOptions>();
-    CLI::Option* in = command.add_option("IN", options->in, "LAS or LAZ file to read");
+    CLI::Option* in =
+        command.add_option("IN", options->in, "LAS or LAZ files, folders or .vpc, taken as one survey");
     CLI::Option* out =
-        command.add_option("-o,--output", options->out, "File to write: .las or .laz")->type_name("OUT");
+        command
+            .add_option("-o,--output", options->out,
+                        "File to write (.las or .laz), or a folder, in which each file gets its own name")
+            ->type_name("OUT");
     CLI::Option* steps = command
                              .add_option("--step", options->steps,
                                          "A step: its name, then key=value for each parameter, such as "

@@ -199,14 +199,10 @@ void runRender(const RenderRequest& request, Progress& progress)
     std::vector<DrawableCloud> clouds;
     WorldBounds bounds;
     PointIndex points = 0;
-    for (const std::string& file : options.files) {
-        clouds.push_back(loadDrawable(file, progress));
-        const DrawableCloud& loaded = clouds.back();
-        for (const std::string& warning : loaded.warnings) note(warning);
-        if (loaded.cloud->size() == 0) continue;
-        bounds.include(loaded.cloud->coordinates().toWorld(loaded.bounds));
-        points += loaded.cloud->size();
-    }
+    clouds.push_back(loadDrawable(inputFiles(options.files, progress), progress));
+    for (const std::string& warning : clouds.back().warnings) note(warning);
+    if ((points = clouds.back().cloud->size()) != 0)
+        bounds = clouds.back().cloud->coordinates().toWorld(clouds.back().bounds);
     if (points == 0) throw Error(options.files.front(), "There is no point to draw.");
 
     render::ProgressiveRenderer& renderer = headless.renderer();
@@ -311,7 +307,8 @@ void addRender(CLI::App& root, Action& action)
     std::vector<std::string> maps;
     for (const render::ColorMap& map : render::colorMaps()) maps.push_back(map.name);
 
-    command.add_option("FILE", options->files, "LAS or LAZ files, drawn together")->required();
+    command.add_option("FILE", options->files, "LAS or LAZ files, folders or .vpc, drawn together as one survey")
+        ->required();
     command.add_option("-o,--output", options->out, "Picture to write: .png")->required()->type_name("OUT.png");
     addSize(command, options->size);
     command

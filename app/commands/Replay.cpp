@@ -21,7 +21,7 @@ namespace
 
 struct ReplayOptions {
     std::string journal;
-    std::string in;
+    std::vector<std::string> in;
     std::string out;
     bool list = false;
     bool upgrade = false;
@@ -80,14 +80,15 @@ void listJournal(const JournalContents& journal, bool json)
 
 void runReplay(const ReplayOptions& options, Progress& progress)
 {
-    if (!options.list) checkCloudName(options.out);
     const JournalContents journal = readJournal(options.journal);
     if (!journal.damage.empty()) note(journal.damage);
     if (options.list) {
         listJournal(journal, options.json);
         return;
     }
-    const auto session = loadForWriting(options.in, options.out, progress, true);
+    const std::vector<std::filesystem::path> files = inputFiles(options.in, progress);
+    const Output out = outputOf(options.out, files.size() > 1);
+    const auto session = loadForWriting(files, out, progress, true);
     const Replayed replayed = session->recover({options.journal, journal}, progress);
     if (!replayed.stopped.empty()) note(replayed.stopped);
     const bool whole = journal.damage.empty() && replayed.stopped.empty();
@@ -98,7 +99,7 @@ void runReplay(const ReplayOptions& options, Progress& progress)
     write.verify = !options.noVerify;
     write.replaceProtected = options.replaceProtected;
     write.upgrade = options.upgrade;
-    reportWritten(saveSession(*session, options.out, write, progress), options.out, options.json,
+    reportWritten(saveSession(*session, out, write, progress), options.out, options.json,
                   {{"entries", replayed.entries}, {"whole", whole}});
     if (!whole) throw Reported();
 }
@@ -114,10 +115,14 @@ void addReplay(CLI::App& root, Action& action)
                    "it could be followed; what could is written.");
     const auto options = std::make_shared<ReplayOptions>();
     command.add_option("JOURNAL", options->journal, "Journal to follow")->required();
-    CLI::Option* in =
-        command.add_option("IN", options->in, "The LAS or LAZ file as it was when the journal was begun");
+    CLI::Option* in = command.add_option(
+        "IN", options->in,
+        "The LAS or LAZ file, or the files of the survey, as they were when the journal was begun");
     CLI::Option* out =
-        command.add_option("-o,--output", options->out, "File to write: .las or .laz")->type_name("OUT");
+        command
+            .add_option("-o,--output", options->out,
+                        "File to write (.las or .laz), or a folder, in which each file gets its own name")
+            ->type_name("OUT");
     command.add_flag("--list", options->list, "List what the journal tells, and do nothing else");
     addUpgrade(command, options->upgrade);
     addNoVerify(command, options->noVerify);
