@@ -21,6 +21,7 @@ namespace punctum
 {
 
 class BlockBoxes;
+class KdOrder;
 namespace las
 {
 struct SourceFile;
@@ -181,6 +182,16 @@ public:
     const std::vector<CloudPart>& parts() const noexcept { return m_parts; }
     void setParts(std::vector<CloudPart> parts) { m_parts = std::move(parts); }
 
+    /// The order of the points by place that was made last, so that it is made once for all who ask: KdOrder::of(),
+    /// which alone looks here.
+    struct PlaceOrder {
+        std::mutex mutex;     ///< guards what follows
+        bool making = false;  ///< somebody is at it
+        std::shared_ptr<const KdOrder> order;
+        std::shared_ptr<const PointSet> without;  ///< the deleted points of then
+    };
+    PlaceOrder& placeOrder() const noexcept { return *m_placeOrder; }
+
     // -- change
     std::shared_mutex& mutex() const noexcept { return m_mutex; }
     using Listener = std::function<void(const ChangeNotice&)>;
@@ -207,6 +218,7 @@ private:
     mutable std::mutex m_boxesMutex;
     mutable std::shared_ptr<const BlockBoxes> m_boxes;  ///< found here
     std::shared_ptr<Listeners> m_listeners;
+    std::shared_ptr<PlaceOrder> m_placeOrder = std::make_shared<PlaceOrder>();
 };
 
 /// The deleted points at present; null: none. Takes cloud.mutex() shared.

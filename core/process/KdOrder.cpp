@@ -10,8 +10,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <mutex>
+#include <thread>
 
 namespace punctum
 {
@@ -33,6 +35,53 @@ void KdOrder::Box::include(const Box& other) noexcept
         min[a] = std::min(min[a], other.min[a]);
         max[a] = std::max(max[a], other.max[a]);
     }
+}
+
+std::shared_ptr<const KdOrder> KdOrder::of(const PointCloud& cloud, Progress& progress)
+{
+    PointCloud::PlaceOrder& kept = cloud.placeOrder();
+    const auto same = [](const std::shared_ptr<const PointSet>& a, const std::shared_ptr<const PointSet>& b) {
+        return a == b || (a && b && *a == *b);
+    };
+    std::shared_ptr<const PointSet> deleted;
+    for (;;) {
+        progress.check();
+        deleted = deletedPoints(cloud);
+        {
+            const std::lock_guard lock(kept.mutex);
+            if (kept.order && same(kept.without, deleted)) return kept.order;
+            if (!kept.making) {
+                kept.making = true;
+                kept.order.reset();  // two of them need not fit into memory
+                break;
+            }
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    std::shared_ptr<const KdOrder> order;
+    try {
+        order = std::make_shared<const KdOrder>(cloud, progress);
+    } catch (...) {
+        const std::lock_guard lock(kept.mutex);
+        kept.making = false;
+        throw;
+    }
+    const bool asBefore = same(deleted, deletedPoints(cloud));
+    const std::lock_guard lock(kept.mutex);
+    kept.making = false;
+    if (asBefore) {
+        kept.order = order;
+        kept.without = deleted;
+    }
+    return order;
+}
+
+void KdOrder::drop(const PointCloud& cloud) noexcept
+{
+    PointCloud::PlaceOrder& kept = cloud.placeOrder();
+    const std::lock_guard lock(kept.mutex);
+    kept.order.reset();
+    kept.without.reset();
 }
 
 KdOrder::KdOrder(const PointCloud& cloud, Progress& progress)

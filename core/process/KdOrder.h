@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -44,6 +45,13 @@ public:
             return a.squared < b.squared || (a.squared == b.squared && a.point < b.point);
         }
     };
+
+    /// That of the cloud's points as they are now, made where the cloud keeps none: once for all who ask, whatever
+    /// files the points are of, and anew only when points were deleted or restored. Some 4 bytes a point are kept
+    /// with the cloud, until drop(). Throws as the constructor does.
+    static std::shared_ptr<const KdOrder> of(const PointCloud& cloud, Progress& progress);
+    /// The cloud keeps none any longer; who has one goes on.
+    static void drop(const PointCloud& cloud) noexcept;
 
     /// Takes cloud.mutex() shared for a moment. Throws Cancelled, and Error when there are more than 2^32 points.
     KdOrder(const PointCloud& cloud, Progress& progress);

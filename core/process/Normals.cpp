@@ -118,7 +118,8 @@ std::unique_ptr<Command> NormalsStep::run(const PointCloud& cloud, const StepVal
                 reinterpret_cast<double*>(columns[c]->data())[n.point] = double(normal[c]);
         }
     };
-    const KdOrder order(cloud, progress);
+    const auto places = KdOrder::of(cloud, progress);
+    const KdOrder& order = *places;
     if (const auto radius = realValue(complete, "radius"))
         forEachWithin(order, *radius, "Fitting normals", progress, visit);
     else

@@ -93,7 +93,8 @@ std::unique_ptr<Command> OutliersStep::run(const PointCloud& cloud, const StepVa
     std::vector<float> distances(cloud.size(), kNone);
     double count = 0;
     {
-        const KdOrder order(cloud, progress);
+        const auto places = KdOrder::of(cloud, progress);
+        const KdOrder& order = *places;
         if (order.size() <= k) return nullptr;
         count = double(order.size());
         forEachNearest(order, k + 1, "Measuring distances", progress, [&](const Neighborhood& n) {

@@ -4,6 +4,7 @@
 #include "core/las/CrsChange.h"
 #include "core/las/Diff.h"
 #include "core/las/Reader.h"
+#include "core/process/KdOrder.h"
 #include "core/session/KeptJournals.h"
 #include "core/session/Session.h"
 #include "core/session/SurveyFiles.h"
@@ -176,6 +177,40 @@ private slots:
         session->save({}, m_progress);
         const auto first = las::load(place("a.las"), m_progress), second = las::load(place("old.las"), m_progress);
         QVERIFY(las::diffFiles(place("a.las"), place("old.las"), {}, m_progress).differing == 0);
+    }
+
+    /// Steps that look at neighbors give for two tiles what they give for one file of both; the order by place is
+    /// made once, until points are deleted.
+    void neighborsCrossTheEdges()
+    {
+        tile("a.las", 1, 0.0, kPoints);
+        tile("b.las", 1, 20.0, kPoints);
+        const auto session = opened({place("a.las"), place("b.las")});
+        session->merge(place("both.las"), {}, m_progress);
+        const auto whole = opened({place("both.las")});
+        QVERIFY(!whole->many());
+        for (const auto& both : {session, whole}) {
+            both->edit({"normals", {{"k", "12"}}, nullptr}, m_progress);
+            both->edit({"outliers", {{"k", "8"}, {"deviations", "1.5"}, {"class", "7"}}, nullptr}, m_progress);
+        }
+        for (const char* name : {"NormalX", "NormalY", "NormalZ", "Classification"}) {
+            const Attribute &a = *session->cloud()->findAttribute(name), &b = *whole->cloud()->findAttribute(name);
+            for (PointIndex i = 0; i < 2 * kPoints; ++i)
+                QVERIFY(a.number(i) == b.number(i) || (std::isnan(a.number(i)) && std::isnan(b.number(i))));
+        }
+        const auto order = KdOrder::of(*session->cloud(), m_progress);
+        session->edit(rule("UserData = 3 if UserData != 3"), m_progress);
+        QVERIFY(KdOrder::of(*session->cloud(), m_progress) == order);
+        session->edit({"delete", {{"where", "X < 5"}}, nullptr}, m_progress);
+        const auto fewer = KdOrder::of(*session->cloud(), m_progress);
+        QVERIFY(fewer != order && fewer->size() < order->size());
+        session->undo(m_progress);
+        QCOMPARE(KdOrder::of(*session->cloud(), m_progress)->size(), order->size());
+        KdOrder::drop(*session->cloud());
+        Progress cancelled;
+        cancelled.cancel();
+        QVERIFY_EXCEPTION_THROWN(KdOrder::of(*session->cloud(), cancelled), Cancelled);
+        QCOMPARE(KdOrder::of(*session->cloud(), m_progress)->size(), order->size());
     }
 
     void savingSomeLeavesTheOthersUnsaved()

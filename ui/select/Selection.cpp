@@ -196,8 +196,8 @@ void Selection::askNeighbors(const QString& title,
     if (!points(active())) return;
     task.work = [touchable = touchable(), change = std::move(change)](
                     const std::shared_ptr<const PointSet>& before, const ViewSnapshot& view, Progress& progress) {
-        const KdOrder order(*view.cloud, progress);
-        PointSet all = change(*before, order, progress);
+        const auto places = KdOrder::of(*view.cloud, progress);
+        PointSet all = change(*before, *places, progress);
         keepTouchable(all, *view.cloud, touchable(*view.cloud, all, progress), progress);
         return all;
     };
