@@ -4,11 +4,10 @@
 #include "core/Error.h"
 #include "core/las/ChunkDecoder.h"
 #include "core/las/File.h"
+#include "core/las/LaszipHandle.h"
 #include "core/las/PointwiseEncoder.h"
 #include "core/las/StackGuard.h"
 #include "core/task/Progress.h"
-
-#include <laszip/laszip_api.h>
 
 #include <algorithm>
 #include <exception>
@@ -23,92 +22,9 @@ namespace punctum::las
 namespace
 {
 
-// The same in every LASzip since 2.x; the header struct is not, so it is never touched (docs/dev/las.md).
-static_assert(sizeof(laszip_point) == 96);
-static_assert(offsetof(laszip_point, gps_time) == 32 && offsetof(laszip_point, rgb) == 40 &&
-              offsetof(laszip_point, wave_packet) == 48 && offsetof(laszip_point, num_extra_bytes) == 80 &&
-              offsetof(laszip_point, extra_bytes) == 88);
-
-enum ItemType : std::uint16_t {
-    kByte = 0,
-    kPoint10 = 6,
-    kGpsTime11 = 7,
-    kRgb12 = 8,
-    kWave13 = 9,
-    kPoint14 = 10,
-    kRgb14 = 11,
-    kRgbNir14 = 12,
-    kWave14 = 13,
-    kByte14 = 14
-};
-constexpr std::size_t kFixedPayload = 34, kItemBytes = 6;
-constexpr std::size_t kChunkSizeAt = 12;
 constexpr std::size_t kPointerBytes = 8;
-constexpr std::uint32_t kCoreLayers = 9;
 constexpr std::size_t kCancelStep = 4096;  ///< points compressed between two looks at the cancel flag
 constexpr std::size_t kFileWindow = std::size_t(1) << 20;
-
-/// The items that a record of this format and length is made of (types and sizes).
-std::vector<LazInfo::Item> itemsOf(std::uint8_t format, std::uint16_t length)
-{
-    std::vector<LazInfo::Item> items;
-    const bool extended = isExtendedFormat(format);
-    items.push_back(extended ? LazInfo::Item{kPoint14, 30, 3} : LazInfo::Item{kPoint10, 20, 2});
-    if (!extended && hasGpsTime(format)) items.push_back({kGpsTime11, 8, 2});
-    if (hasNir(format))
-        items.push_back({kRgbNir14, 8, 3});
-    else if (hasColor(format))
-        items.push_back(extended ? LazInfo::Item{kRgb14, 6, 3} : LazInfo::Item{kRgb12, 6, 2});
-    if (hasWaveform(format))
-        items.push_back(extended ? LazInfo::Item{kWave14, 29, 3} : LazInfo::Item{kWave13, 29, 1});
-    if (const int extra = length - standardRecordLength(format); extra > 0)
-        items.push_back({extended ? kByte14 : kByte, std::uint16_t(extra), std::uint16_t(extended ? 3 : 2)});
-    return items;
-}
-
-bool versionExists(const LazInfo::Item& item)
-{
-    if (item.type >= kPoint14) return item.version >= 2 && item.version <= 4;
-    if (item.type == kWave13) return item.version == 1;
-    return item.version == 1 || item.version == 2;
-}
-
-template <typename T>
-T load(const std::byte* p)
-{
-    T v;
-    std::memcpy(&v, p, sizeof v);
-    return v;
-}
-
-/// A laszip handle, freed on every way out.
-class Handle
-{
-public:
-    Handle()
-    {
-        if (laszip_create(&m_handle) != 0) throw Error("LASzip cannot be started.");
-    }
-    ~Handle() { laszip_destroy(m_handle); }
-    Handle(const Handle&) = delete;
-    Handle& operator=(const Handle&) = delete;
-
-    laszip_POINTER get() const { return m_handle; }
-    std::string error() const
-    {
-        laszip_CHAR* text = nullptr;
-        return laszip_get_error(m_handle, &text) == 0 && text != nullptr ? text : "unknown error";
-    }
-    laszip_point* point() const
-    {
-        laszip_point* p = nullptr;
-        if (laszip_get_point_pointer(m_handle, &p) != 0 || p == nullptr) throw Error("LASzip: " + error() + ".");
-        return p;
-    }
-
-private:
-    laszip_POINTER m_handle = nullptr;
-};
 
 /// Where the optional parts of a record lie; -1: not there.
 struct Parts {
@@ -290,7 +206,7 @@ std::vector<std::byte> miniFile(const LazInfo& info, std::uint32_t chunkSize, st
     add(vlr.description.data(), 32);
     const std::size_t payloadAt = bytes.size();
     add(info.payload.data(), info.payload.size());
-    std::memcpy(bytes.data() + payloadAt + kChunkSizeAt, &chunkSize, 4);
+    std::memcpy(bytes.data() + payloadAt + LazInfo::kChunkSizeAt, &chunkSize, 4);
     if (info.compressor != LazInfo::Pointwise) {
         const auto here = std::int64_t(bytes.size());
         add(&here, kPointerBytes);
@@ -342,127 +258,13 @@ private:
     std::size_t m_at = 0;
 };
 
-}  // namespace
-
-std::uint32_t LazInfo::layers() const
-{
-    std::uint32_t n = 0;
-    for (const Item& item : items) {
-        switch (item.type) {
-            case kPoint14:
-                n += kCoreLayers;
-                break;
-            case kRgbNir14:
-                n += 2;
-                break;
-            case kByte14:
-                n += item.size;
-                break;
-            default:
-                n += 1;
-                break;
-        }
-    }
-    return n;
-}
-
-void LazInfo::setChunkSize(std::uint32_t size)
-{
-    chunkSize = size;
-    std::memcpy(payload.data() + kChunkSizeAt, &size, sizeof size);
-}
-
-LazInfo LazInfo::parse(const Vlr& record, std::uint8_t format, std::uint16_t recordLength)
-{
-    const std::vector<std::byte>& d = record.data;
-    if (d.size() < kFixedPayload)
-        throw Error("The compression record is too short (" + std::to_string(d.size()) + " bytes).");
-    LazInfo info;
-    info.format = format;
-    info.recordLength = recordLength;
-    info.compressor = load<std::uint16_t>(d.data());
-    const auto coder = load<std::uint16_t>(d.data() + 2);
-    if (info.compressor < Pointwise || info.compressor > Layered || coder != 0)
-        throw Error("The points are compressed in an unsupported way (compressor " +
-                    std::to_string(info.compressor) + ", coder " + std::to_string(coder) + ").");
-    if ((info.compressor == Layered) != isExtendedFormat(format))
-        throw Error("The compression record does not fit point format " + std::to_string(format) +
-                    " (unsupported compressor " + std::to_string(info.compressor) + ").");
-    info.chunkSize = load<std::uint32_t>(d.data() + kChunkSizeAt);
-    if (info.chunkSize == 0) info.chunkSize = kVariableChunks;
-
-    const std::size_t count = load<std::uint16_t>(d.data() + 32);
-    const std::vector<Item> expected = itemsOf(format, recordLength);
-    if (d.size() < kFixedPayload + kItemBytes * count)
-        throw Error("The compression record is too short for its " + std::to_string(count) + " items.");
-    bool fits = count == expected.size();
-    for (std::size_t k = 0; fits && k < count; ++k) {
-        const std::byte* p = d.data() + kFixedPayload + kItemBytes * k;
-        const Item item{load<std::uint16_t>(p), load<std::uint16_t>(p + 2), load<std::uint16_t>(p + 4)};
-        fits = item.type == expected[k].type && item.size == expected[k].size;
-        if (fits && !versionExists(item))
-            throw Error("The points are compressed with an unsupported version (" + std::to_string(item.version) +
-                        ") of item " + std::to_string(item.type) + ".");
-        info.items.push_back(item);
-    }
-    if (!fits)
-        throw Error("The compression record does not fit point format " + std::to_string(format) +
-                    " with records of " + std::to_string(recordLength) + " bytes.");
-    info.payload.assign(d.begin(), d.begin() + std::ptrdiff_t(kFixedPayload + kItemBytes * count));
-    return info;
-}
-
-LazInfo LazInfo::standard(std::uint8_t format, std::uint16_t recordLength)
-{
-    const Handle handle;
-    laszip_U8* bytes = nullptr;
-    laszip_U32 size = 0;
-    if (laszip_set_point_type_and_size(handle.get(), format, recordLength) != 0 ||
-        laszip_request_native_extension(handle.get(), 1) != 0 ||
-        laszip_set_chunk_size(handle.get(), kDefaultChunkSize) != 0 ||
-        laszip_create_laszip_vlr(handle.get(), &bytes, &size) != 0 || size < Vlr::kHeaderSize)
-        throw Error("LASzip cannot compress point format " + std::to_string(format) + " (" + handle.error() + ").");
-    Vlr record;
-    const auto* p = reinterpret_cast<const std::byte*>(bytes) + Vlr::kHeaderSize;
-    record.data.assign(p, p + size - Vlr::kHeaderSize);
-    return parse(record, format, recordLength);
-}
-
-bool layeredChunkSize(std::span<const std::byte> start, const LazInfo& info, std::uint32_t& count,
-                      std::uint64_t& bytes)
-{
-    const std::uint32_t layers = info.layers();
-    const std::uint64_t head = std::uint64_t(info.recordLength) + 4 + 4 * std::uint64_t(layers);
-    if (start.size() < head) return false;
-    count = load<std::uint32_t>(start.data() + info.recordLength);
-    bytes = head;
-    for (std::uint32_t k = 0; k < layers; ++k)
-        bytes += load<std::uint32_t>(start.data() + info.recordLength + 4 + 4 * std::size_t(k));
-    return count > 0 && bytes < UINT32_MAX;
-}
-
-std::string checkLayeredChunk(std::span<const std::byte> chunk, const LazInfo& info,
-                              std::optional<std::uint32_t> count)
-{
-    std::uint32_t stated = 0;
-    std::uint64_t bytes = 0;
-    if (!layeredChunkSize(chunk, info, stated, bytes)) return "its layer sizes cannot be";
-    if (count && stated != *count)
-        return "it states " + std::to_string(stated) + " points where the table says " + std::to_string(*count);
-    if (bytes != chunk.size()) return "its layers do not fill its bytes";
-    return {};
-}
-
-namespace
-{
-
 constexpr std::size_t kCoderBytes = 4;  ///< that a range coder takes first
 
 /// A range coder's first four bytes are below the full range in what an encoder writes. LASzip does not look, and
 /// at 0xFFFFFFFF reads and writes outside its tables.
 bool coderBegins(std::span<const std::byte> bytes)
 {
-    return bytes.size() < kCoderBytes || load<std::uint32_t>(bytes.data()) != UINT32_MAX;
+    return bytes.size() < kCoderBytes || loadAs<std::uint32_t>(bytes.data()) != UINT32_MAX;
 }
 
 /// Whether all coders of a chunk (layered: one a layer, its head is sound) or stream begin as they can.
@@ -474,7 +276,7 @@ bool codersBegin(std::span<const std::byte> data, const LazInfo& info)
     const std::size_t sizes = at + 4, layers = info.layers();
     at = sizes + 4 * layers;
     for (std::size_t k = 0; k < layers && at <= data.size(); ++k) {
-        const auto size = load<std::uint32_t>(data.data() + sizes + 4 * k);
+        const auto size = loadAs<std::uint32_t>(data.data() + sizes + 4 * k);
         if (size >= kCoderBytes && !coderBegins(data.subspan(at))) return false;
         at += size;
     }
@@ -486,7 +288,7 @@ bool codersBegin(std::span<const std::byte> data, const LazInfo& info)
 struct PointDecoder::Impl {
     SourceBuffer buffer;
     std::istream stream;
-    Handle handle;
+    LaszipHandle handle;
     laszip_point* point = nullptr;
     Parts parts;
     bool open = false;
@@ -602,7 +404,7 @@ struct LaszipEncoder::Impl {
         if (rc != 0) throw Error("The points cannot be compressed (LASzip: " + handle.error() + ").");
     }
 
-    Handle handle;
+    LaszipHandle handle;
     Parts parts;
     laszip_point* point = nullptr;
 };
@@ -638,14 +440,14 @@ std::uint32_t timeShift(std::span<const std::byte> records, std::size_t length)
 {
     bool positive = false, negative = false;
     for (std::size_t at = kTimeAt; at < records.size(); at += length) {
-        const auto time = load<std::uint64_t>(records.data() + at);
+        const auto time = loadAs<std::uint64_t>(records.data() + at);
         positive = positive || time == 0;
         negative = negative || time == 1ull << 63;
     }
     if (!positive || !negative) return 0;
     std::unordered_set<std::uint32_t> upper;
     for (std::size_t at = kTimeAt; at < records.size(); at += length)
-        upper.insert(load<std::uint32_t>(records.data() + at + 4));
+        upper.insert(loadAs<std::uint32_t>(records.data() + at + 4));
     // No time may become 0 or -0, nor come so close to 0 that LASzip codes the difference to it.
     const auto taken = [&](std::uint32_t shift) {
         return upper.contains(0u - shift) || upper.contains(UINT32_MAX - shift) ||
@@ -672,7 +474,7 @@ std::vector<std::byte> encodeLayered(const LazInfo& info, std::span<const std::b
     }
     encoder.finish();
     // [0, 8): where LASzip's own table begins, which ends the chunk
-    const auto tableAt = sink.bytes.size() >= kPointerBytes ? load<std::int64_t>(sink.bytes.data()) : -1;
+    const auto tableAt = sink.bytes.size() >= kPointerBytes ? loadAs<std::int64_t>(sink.bytes.data()) : -1;
     if (stream.fail() || tableAt < std::int64_t(kPointerBytes) || std::uint64_t(tableAt) > sink.bytes.size())
         throw Error("The points cannot be compressed (LASzip gave no chunk).");
     sink.bytes.resize(std::size_t(tableAt));
@@ -686,7 +488,7 @@ std::vector<std::byte> encodeShifted(const LazInfo& info, std::span<const std::b
 {
     std::vector<std::byte> shifted(records.begin(), records.end());
     for (std::size_t at = kTimeAt; at < shifted.size(); at += info.recordLength) {
-        const std::uint64_t time = load<std::uint64_t>(shifted.data() + at) + (std::uint64_t(shift) << 32);
+        const std::uint64_t time = loadAs<std::uint64_t>(shifted.data() + at) + (std::uint64_t(shift) << 32);
         std::memcpy(shifted.data() + at, &time, sizeof time);
     }
     std::vector<std::byte> chunk = encodeLayered(info, shifted, progress);

@@ -181,13 +181,13 @@ std::string storage(const SourceFile& s)
 /// The laszip record in words; all of its bytes when it is too short for them.
 std::string compressionText(std::span<const std::byte> data)
 {
-    constexpr std::size_t kHead = 34, kItem = 6, kChunkSizeAt = 12;
+    constexpr std::size_t kHead = 34, kItem = 6;
     if (data.size() < kHead) return "0x" + hex(data);
     const auto u16 = [&](std::size_t at) {
         return std::to_integer<unsigned>(data[at]) | std::to_integer<unsigned>(data[at + 1]) << 8;
     };
     std::uint32_t chunk = 0;
-    std::memcpy(&chunk, data.data() + kChunkSizeAt, sizeof chunk);
+    std::memcpy(&chunk, data.data() + LazInfo::kChunkSizeAt, sizeof chunk);
     std::string text = "type " + std::to_string(u16(0)) + ", chunks of " +
                        (chunk == kVariableChunks || chunk == 0 ? "any size" : std::to_string(chunk)) + ", versions";
     for (std::size_t at = kHead; at + kItem <= data.size(); at += kItem) text += " " + std::to_string(u16(at + 4));
