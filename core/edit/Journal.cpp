@@ -45,14 +45,6 @@ int openLocked(const std::filesystem::path& path, int flags)
     return file;
 }
 
-/// More than the two lines that it begins with.
-bool hasEdits(const std::filesystem::path& path)
-{
-    if (!std::filesystem::is_regular_file(path)) return false;
-    const std::string text = readAll(path);
-    return std::count(text.begin(), text.end(), '\n') > 2;
-}
-
 }  // namespace
 
 std::unique_ptr<Journal> Journal::create(const std::filesystem::path& path, const CloudKey& key,
@@ -61,7 +53,7 @@ std::unique_ptr<Journal> Journal::create(const std::filesystem::path& path, cons
     std::error_code ignored;
     std::filesystem::create_directories(path.parent_path(), ignored);
     std::unique_ptr<Journal> journal(new Journal(path, openLocked(path, O_CREAT)));
-    if (hasEdits(path)) {
+    if (journalHasEdits(path)) {
         const std::filesystem::path aside = setJournalAside(path);
         journal.reset(new Journal(path, openLocked(path, O_CREAT | O_EXCL)));
         journal->m_setAside = aside;
@@ -229,6 +221,13 @@ std::filesystem::path setJournalAside(const std::filesystem::path& path)
         break;
     }
     throw Error(path, std::string("the journal cannot be set aside: ") + std::strerror(errno) + ".");
+}
+
+bool journalHasEdits(const std::filesystem::path& path)
+{
+    if (!std::filesystem::is_regular_file(path)) return false;
+    const std::string text = readAll(path);
+    return std::count(text.begin(), text.end(), '\n') > 2;
 }
 
 bool isJournalInUse(const std::filesystem::path& path)

@@ -91,6 +91,11 @@ JournalContents readJournal(const std::filesystem::path& path);
 /// Gives a journal another name, under which it is not offered any more, but kept for whoever wants to follow it.
 /// Returns that name. Throws Error.
 std::filesystem::path setJournalAside(const std::filesystem::path& path);
+/// Whether there is a journal with more than the two lines that it begins with: one that was only being begun when
+/// its program was killed has nothing to recover, and its beginning may be cut off. Throws Error when it cannot be
+/// read.
+bool journalHasEdits(const std::filesystem::path& path);
+
 /// Whether a program that runs has it open.
 bool isJournalInUse(const std::filesystem::path& path);
 

@@ -249,7 +249,7 @@ std::optional<FoundJournal> Session::findJournal(Progress& progress) const
     const std::lock_guard gate(m_gate);
     if (m_history->position() != 0) return {};  // somebody was quicker
     const fs::path path = journalPath(keyOf(*m_cloud, progress));
-    if (!fs::exists(path) || isJournalInUse(path)) return {};
+    if (!fs::exists(path) || isJournalInUse(path) || !journalHasEdits(path)) return {};
     return FoundJournal{path, readJournal(path)};
 }
 

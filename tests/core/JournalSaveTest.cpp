@@ -79,11 +79,6 @@ std::shared_ptr<PointCloud> recovered(const Work& work, std::string& trouble)
     const fs::path folder = copies.path().toStdString();
     if (fs::exists(work.journals)) fs::copy(work.journals, folder, fs::copy_options::recursive);
     Work again{work.path, folder};
-    for (const auto& entry : fs::directory_iterator(folder)) {
-        const lasfiles::Bytes bytes = lasfiles::readFile(entry.path());
-        if (std::count(bytes.begin(), bytes.end(), std::byte('\n')) < 2)
-            fs::remove(entry.path());  // was being begun
-    }
     const auto journal = again.session->findJournal(again.progress);
     if (journal) trouble = again.session->recover(*journal, again.progress).stopped;
     return again.session->cloud();
