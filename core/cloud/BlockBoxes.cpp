@@ -66,4 +66,17 @@ void BlockBoxes::includeAll(const std::int32_t* x, const std::int32_t* y, const 
     });
 }
 
+RawBounds boundsOf(const PointCloud& cloud, PointRange range)
+{
+    RawBounds bounds;
+    const std::span<const std::int32_t> axes[] = {cloud.rawX(), cloud.rawY(), cloud.rawZ()};
+    for (int axis = 0; axis < 3; ++axis) {
+        const LeastMost found = leastAndMost(axes[axis].data() + range.first, std::size_t(range.size()));
+        if (range.empty()) continue;
+        bounds.min[axis] = found.least;
+        bounds.max[axis] = found.most;
+    }
+    return bounds;
+}
+
 }  // namespace punctum

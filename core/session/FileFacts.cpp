@@ -2,6 +2,7 @@
 #include "core/session/FileFacts.h"
 
 #include "core/Text.h"
+#include "core/cloud/PointCloud.h"
 #include "core/las/Doctor.h"
 #include "core/las/HeaderWords.h"
 #include "core/las/Repair.h"
@@ -63,6 +64,13 @@ std::optional<Inspection> inspect(const Session& session, Progress& progress)
 {
     const auto edits = session.editsInFile();
     if (!edits) return std::nullopt;
+    if (session.many()) {
+        // Of a survey there is no one header to hold against the points.
+        Inspection inspection;
+        inspection.facts = factsOf(*session.source());
+        inspection.figures = computePointFigures(*session.cloud(), deletedPoints(*session.cloud()).get(), progress);
+        return session.editsInFile() == edits ? std::optional(std::move(inspection)) : std::nullopt;
+    }
     const las::Examination found = las::examine(*session.cloud(), progress);
     if (session.editsInFile() != edits) return std::nullopt;
     Inspection inspection{factsOf(*found.source), found.figures, {}, {}, faultsOf(found.diagnosis.findings)};

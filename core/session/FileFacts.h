@@ -68,8 +68,8 @@ struct Inspection {
     bool repairable() const;  ///< one of them is
 };
 
-/// Nothing where the points are no longer those of the file, since an edit came first or meanwhile. Any thread,
-/// long. Throws Error (the file cannot be read, or changed) or Cancelled.
+/// Of a survey figures alone. Nothing where the points are no longer those of the file, since an edit came first or
+/// meanwhile. Any thread, long. Throws Error (the file cannot be read, or changed) or Cancelled.
 std::optional<Inspection> inspect(const Session& session, Progress& progress);
 
 /// What repairFile() did.

@@ -297,7 +297,7 @@ private slots:
             paths << test.folder.filePath(QStringLiteral("far%1.las").arg(k));
             writeSurvey(paths.back(), 20'000, 1e6 * k);
         }
-        test.window->openFiles(paths);
+        for (const QString& path : paths) test.window->openFiles({path});
         const auto& documents = test.window->workspace().documents();
         QVERIFY(waitFor([&] {
             return documents.size() == 3 &&

@@ -87,6 +87,18 @@ QString bytesText(std::uint64_t bytes)
     return windowLocale().formattedDataSize(qint64(bytes), bytes < 1'000'000 ? 0 : 1, QLocale::DataSizeSIFormat);
 }
 
+QString pathsText(const QString& paths)
+{
+    const QString first = paths.section(QLatin1Char('\n'), 0, 0).section(QLatin1Char('/'), -1);
+    const auto more = paths.count(QLatin1Char('\n'));
+    return more == 0 ? first : QStringLiteral("%1 and %2 more").arg(first, countText(std::uint64_t(more)));
+}
+
+QString folderOf(const QString& paths)
+{
+    return paths.section(QLatin1Char('\n'), 0, 0).section(QLatin1Char('/'), 0, -2);
+}
+
 QString menuText(QString name)
 {
     return name.replace(QLatin1Char('&'), QStringLiteral("&&"));

@@ -34,6 +34,12 @@ QString plainCoordinate(const CoordinateScale& coordinates, int axis, double val
 /// "603 kB", "2.1 GB".
 QString bytesText(std::uint64_t bytes);
 
+/// Several paths with line ends between them, as the list of recent files has them, in a few words: "a.laz" or
+/// "a.laz and 3 more".
+QString pathsText(const QString& paths);
+/// Folder of the first of them.
+QString folderOf(const QString& paths);
+
 /// A name in the text of a menu entry or button, where a plain & would mark a key.
 QString menuText(QString name);
 /// A name in a window title, where a plain [*] would stand for "changed".

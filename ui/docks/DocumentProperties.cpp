@@ -131,15 +131,20 @@ void addFigures(std::vector<PropertySection>& sections, const Document& document
 std::vector<PropertySection> documentProperties(const Document& document, const Inspection* inspection)
 {
     // After a save another file holds the points.
-    const FileFacts& facts = inspection ? inspection->facts : document.facts();
+    const FileFacts& facts = inspection && !document.many() ? inspection->facts : document.facts();
     const CoordinateScale& coordinates = document.cloud()->coordinates();
     std::vector<PropertySection> sections;
 
-    if (document.recovered()) {
+    if (document.recovered() || !document.losses().isEmpty()) {
         PropertySection missing{tr("Missing or damaged"), {}};
         for (const QString& loss : document.losses()) missing.rows.push_back({{}, loss});
-        missing.rows.push_back(
-            {{}, tr("Save is off, so that the file keeps what could not be read: use Save As.")});
+        if (document.recovered())
+            missing.rows.push_back(
+                {{},
+                 document.many()
+                     ? tr("Damaged files keep what could not be read: they are saved into another folder "
+                          "only, by Save As.")
+                     : tr("Save is off, so that the file keeps what could not be read: use Save As.")});
         sections.push_back(missing);
     }
     PropertySection warnings{tr("Warnings"), {}};
@@ -158,11 +163,16 @@ std::vector<PropertySection> documentProperties(const Document& document, const 
         points = tr("%1, of which %2 could not be read").arg(points, countText(document.missingPoints()));
     if (document.deletedPoints() != 0)
         points = tr("%1, %2 of them deleted").arg(points, countText(document.deletedPoints()));
-    sections.push_back({tr("File"),
-                        {{tr("Name"), document.name()},
-                         {tr("Folder"), document.path().section(QLatin1Char('/'), 0, -2)},
-                         {tr("Size"), bytesText(facts.bytes)},
-                         {tr("Points"), points}}});
+    PropertySection file{document.many() ? tr("Survey") : tr("File"), {{tr("Name"), document.name()}}};
+    if (document.many()) {
+        file.rows.push_back({tr("Folder"), document.path()});
+        file.rows.push_back({tr("Files"), countText(document.parts().size())});
+    } else {
+        file.rows.push_back({tr("Folder"), document.path().section(QLatin1Char('/'), 0, -2)});
+    }
+    file.rows.push_back({tr("Size"), bytesText(facts.bytes)});
+    file.rows.push_back({tr("Points"), points});
+    sections.push_back(file);
     sections.push_back({tr("Format"),
                         {{tr("LAS version"), toQString(facts.version)},
                          {tr("Point format"),

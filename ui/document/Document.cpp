@@ -10,6 +10,7 @@
 #include <QFileInfo>
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace punctum::ui
@@ -21,13 +22,23 @@ Document::Document(std::shared_ptr<Session> session, std::shared_ptr<render::Poi
       m_store(std::move(store)),
       m_facts(factsOf(*m_session->source())),
       m_units(m_session->source()->units),
+      m_many(m_session->many()),
       m_path(toQString(m_session->openedPath())),
-      m_name(fileName()),
-      m_recovered(m_session->source()->recovered),
-      m_bounds(m_session->source()->firstBounds),
+      m_recovered(m_session->damaged()),
+      m_bounds(m_session->survey().firstBounds()),
       m_attributes(cloud()->attributes())  // nobody else knows the cloud's list yet
 {
-    for (const std::string& loss : m_session->source()->losses) m_losses << toQString(loss);
+    const Survey& survey = m_session->survey();
+    for (const std::string& loss : survey.losses()) m_losses << toQString(loss);
+    m_facts.warnings.clear();
+    for (const std::string& warning : survey.warnings())
+        if (!m_losses.contains(toQString(warning))) m_facts.warnings.push_back(warning);
+    if (m_many) {
+        m_facts.bytes = 0;
+        for (const Survey::Part& part : survey.parts()) m_facts.bytes += part.source->fileSize;
+    }
+    takeParts();
+    m_name = fileName();
 }
 
 const std::shared_ptr<PointCloud>& Document::cloud() const noexcept
@@ -42,7 +53,79 @@ const History& Document::history() const noexcept
 
 QString Document::fileName() const
 {
-    return QFileInfo(m_path).fileName();
+    if (!m_many) return QFileInfo(m_path).fileName();
+    const bool named = !m_origin.isEmpty() && !m_origin.contains(QLatin1Char('\n'));
+    return named ? QFileInfo(m_origin).fileName() : tr("%1 files").arg(countText(m_parts.size()));
+}
+
+void Document::setOrigin(const QString& origin)
+{
+    m_origin = origin;
+    m_name = fileName();
+}
+
+// -- the files
+
+void Document::takeParts()
+{
+    const std::vector<SessionPart> files = m_session->parts();
+    const std::vector<Survey::Part>& opened = m_session->survey().parts();
+    m_parts.resize(files.size());
+    for (std::size_t k = 0; k < files.size(); ++k) {
+        Part& part = m_parts[k];
+        part.path = toQString(files[k].path);
+        part.name = toQString(files[k].path.filename());
+        part.crs = toQString(files[k].source->crs);
+        part.points = files[k].points;
+        part.moved = opened[k].moved;
+        part.damaged = files[k].damaged;
+        if (part.bounds.empty() && !part.moved) part.bounds = files[k].source->firstBounds;
+    }
+}
+
+std::vector<PointRange> Document::hiddenRanges() const
+{
+    std::vector<PointRange> ranges;
+    for (const Part& part : m_parts)
+        if (!part.shown) ranges.push_back(part.points);
+    return ranges;
+}
+
+int Document::hiddenParts() const
+{
+    return int(std::count_if(m_parts.begin(), m_parts.end(), [](const Part& part) { return !part.shown; }));
+}
+
+void Document::setShown(const std::vector<std::size_t>& parts, bool shown)
+{
+    bool other = false;
+    for (const std::size_t k : parts)
+        if (k < m_parts.size()) other = std::exchange(m_parts[k].shown, shown) != shown || other;
+    if (other) emit partsShownChanged();
+}
+
+void Document::showAllParts()
+{
+    std::vector<std::size_t> all(m_parts.size());
+    std::iota(all.begin(), all.end(), std::size_t(0));
+    setShown(all, true);
+}
+
+void Document::setPartBounds(const std::vector<WorldBounds>& bounds)
+{
+    for (std::size_t k = 0; k < std::min(bounds.size(), m_parts.size()); ++k)
+        if (!bounds[k].empty()) m_parts[k].bounds = bounds[k];
+    emit partsChanged();
+}
+
+void Document::setChangedParts(const std::vector<bool>& changed)
+{
+    bool other = false;
+    for (std::size_t k = 0; k < m_parts.size(); ++k) {
+        const bool now = k < changed.size() && changed[k];
+        other = std::exchange(m_parts[k].changed, now) != now || other;
+    }
+    if (other) emit partsChanged();
 }
 
 QString Document::origin() const
@@ -109,9 +192,11 @@ void Document::setLoaded(const las::ReadResult& result)
     for (const std::string& warning : result.warnings) m_losses << toQString(warning);  // of damaged points
     for (const PointRange& range : result.missing) m_missingPoints += range.size();
     m_recovered = m_recovered || !result.missing.empty();
+    takeParts();
     m_rawBounds = result.bounds;
     m_bounds = cloud()->coordinates().toWorld(result.bounds);
     emit stateChanged();
+    emit partsChanged();
 }
 
 void Document::setAttributes(std::vector<Attribute> attributes)
@@ -181,10 +266,12 @@ void Document::setSavedAs(const std::filesystem::path& path, LastSave save)
 {
     m_lastSave = std::move(save);
     if (path != m_session->openedPath()) m_recovered = false;  // the damaged file is another one now
+    if (!m_many || path != toPath(m_path)) m_origin = m_many ? toQString(path) : QString();
     m_path = toQString(path);
     m_name = fileName();  // until it is compared with the others again
-    m_origin.clear();
+    takeParts();
     emit stateChanged();
+    emit partsChanged();
 }
 
 void Document::noteEdit()

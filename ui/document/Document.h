@@ -52,18 +52,43 @@ public:
     const FileFacts& facts() const noexcept { return m_facts; }
     const History& history() const noexcept;
 
+    /// One of the files of the document, which has one, or, as a survey, several.
+    struct Part {
+        QString path, name;
+        QString crs;  ///< empty: not stated
+        PointRange points;
+        WorldBounds bounds;  ///< empty while not known
+        bool damaged = false;
+        bool moved = false;    ///< from another coordinate system, to be shown among the others
+        bool changed = false;  ///< something of it is not saved
+        bool shown = true;
+    };
+    /// In the order of their points.
+    const std::vector<Part>& parts() const noexcept { return m_parts; }
+    /// Whether it is a survey.
+    bool many() const noexcept { return m_many; }
+    /// Points of parts that are not to be seen, rising; what is hidden is neither drawn nor selected nor counted.
+    std::vector<PointRange> hiddenRanges() const;
+    int hiddenParts() const;
+    void setShown(const std::vector<std::size_t>& parts, bool shown);
+    void showAllParts();
+
+    /// Of the file; of a survey the folder that holds all its files.
     QString path() const { return m_path; }
-    QString fileName() const;  ///< without folder
+    QString fileName() const;  ///< without folder; of a survey what was opened, or "4 files"
     /// File name, with the part of its path by which it differs from another open file of that name.
     QString name() const { return m_name; }
-    /// The folder that was opened with this file in it, or its path: what the user would open again.
+    /// What the user would open again: the path, the folder or virtual point cloud that was opened, or several
+    /// paths with line ends between them.
     QString origin() const;
     State state() const noexcept { return m_state; }
     bool loading() const noexcept { return m_state == State::Loading; }
     double loadedShare() const noexcept;
     PointIndex points() const noexcept { return cloud()->size(); }
-    /// Something of the file is missing or damaged: it may not be overwritten.
+    /// Something of a file is missing or damaged: it may not be overwritten.
     bool recovered() const noexcept { return m_recovered; }
+    /// Whether saving under its own name is possible: of a survey those files that are whole.
+    bool replaceable() const noexcept { return m_many || !m_recovered; }
     /// Points whose values could not be read and are 0.
     PointIndex missingPoints() const noexcept { return m_missingPoints; }
     bool modified() const;
@@ -113,7 +138,7 @@ public:
     void allowUpgrade() { m_upgradeAllowed = true; }
 
     // -- called by the Workspace
-    void setOrigin(const QString& path) { m_origin = path; }
+    void setOrigin(const QString& origin);
     /// Of its path, what tells it from others of its file name; empty: nothing is needed.
     void setDistinction(const QString& part);
     void setLoaded(const las::ReadResult& result);
@@ -124,6 +149,9 @@ public:
     void setDeleted(std::shared_ptr<const PointSet> points, PointIndex count);
     void setClassCounts(const std::array<std::uint64_t, 256>& counts);
     void setSavedAs(const std::filesystem::path& path, LastSave save);
+    void setPartBounds(const std::vector<WorldBounds>& bounds);
+    /// Nothing: it is not known; then none is called changed.
+    void setChangedParts(const std::vector<bool>& changed);
     void setUnsavedChanges(const QString& changes);
     void setSpacing(double spacing);
     void noteEdit();
@@ -133,14 +161,19 @@ signals:
     void attributesChanged();
     void figuresChanged(const QString& name);
     void classCountsChanged();
+    void partsChanged();       ///< parts() but for what is shown
+    void partsShownChanged();  ///< which are shown
 
 private:
+    void takeParts();
     void takeBounds(int axis, const AttributeStatistics& figures);
 
     std::shared_ptr<Session> m_session;
     std::shared_ptr<render::PointStore> m_store;
     FileFacts m_facts;
     CoordinateUnits m_units;
+    bool m_many;
+    std::vector<Part> m_parts;
     QString m_path, m_name, m_origin;
     State m_state = State::Loading;
     bool m_recovered = false;

@@ -9,13 +9,11 @@
 #include "ui/document/Workspace.h"
 
 #include <QFileInfo>
+#include <QHash>
 #include <QPointer>
 #include <QSet>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <thread>
 #include <utility>
 
 namespace punctum::ui
@@ -24,9 +22,7 @@ namespace punctum::ui
 namespace
 {
 
-constexpr std::size_t kListedOneByOne = 8;  ///< more files at once are one job in the list
-constexpr std::size_t kMostAtOnce = 12;     ///< read, or read and not yet taken in by the window
-constexpr std::chrono::milliseconds kBatchStep(50);
+constexpr int kMostRemembered = 50;  // files of a survey without a folder, in the list of recent ones
 
 QString fileNameOf(const QString& path)
 {
@@ -44,25 +40,28 @@ std::pair<QString, QString> newsOf(const Document& document)
                                      : Workspace::tr("%1 is damaged in %2 ways; the File panel lists them.")
                                            .arg(document.name())
                                            .arg(losses.size());
-        return {sentence + Workspace::tr(" What could be read is open; it can be saved under another name."),
-                losses.size() == 1 ? QString() : losses.join(QLatin1Char('\n'))};
+        return {
+            sentence + (document.many()
+                            ? Workspace::tr(" What could be read is open; damaged files can be saved elsewhere.")
+                            : Workspace::tr(" What could be read is open; it can be saved under another name.")),
+            losses.size() == 1 ? QString() : losses.join(QLatin1Char('\n'))};
     }
-    if (warnings.size() == 1)
-        return {Workspace::tr("%1: %2").arg(document.name(), toQString(warnings.front())), {}};
-    if (!warnings.empty())
-        return {Workspace::tr("%1 opened with %2 warnings; the File panel lists them.")
-                    .arg(document.name())
-                    .arg(warnings.size()),
-                {}};
-    return {};
+    QStringList sentences = losses;  // of a survey: files that could not be opened
+    for (const std::string& warning : warnings) sentences << toQString(warning);
+    if (sentences.isEmpty()) return {};
+    if (sentences.size() == 1) return {Workspace::tr("%1: %2").arg(document.name(), sentences.front()), {}};
+    return {Workspace::tr("%1 opened with %2 warnings; the File panel lists them.")
+                .arg(document.name(), countText(std::size_t(sentences.size()))),
+            document.many() ? sentences.join(QLatin1Char('\n')) : QString()};
 }
 
 }  // namespace
 
-/// One file on its way in.
+/// Files on their way in.
 struct Openings::Opening {
-    QString path;
-    std::shared_ptr<Batch> batch;
+    QStringList paths;
+    QString origin;
+    QString title;  ///< for jobs and messages
     JobId job = 0;
     std::shared_ptr<Session> session;
     std::shared_ptr<render::PointStore> store;
@@ -70,60 +69,58 @@ struct Openings::Opening {
     QPointer<Document> document;  ///< GUI thread only
 };
 
-/// Files that were asked for together. GUI thread only, but for `ended`.
-struct Openings::Batch {
-    QString origin;
-    std::size_t files = 0;
-    std::atomic<std::size_t> ended = 0;  ///< of them
-    bool listed = false;                 ///< as one job
-    bool active = false;                 ///< one of them has become active
-    QStringList failures, damages, remarks;
-};
-
 Openings::Openings(Workspace& workspace) : m_workspace(workspace) {}
 
 void Openings::open(const QStringList& paths, const QString& origin)
 {
-    QSet<QString> known;
-    for (const Document* document : m_workspace.documents()) known.insert(document->path());
-    for (const auto& other : m_opening) known.insert(other->path);
-    for (const auto& other : m_waiting) known.insert(other->path);
-    const auto batch = std::make_shared<Batch>();
-    batch->origin = origin;
-    std::vector<std::shared_ptr<Opening>> fresh;
+    QHash<QString, Document*> known;
+    for (const auto& other : m_opening)
+        for (const QString& path : other->paths) known.insert(path, other->document);
+    for (Document* document : m_workspace.documents())
+        for (const Document::Part& part : document->parts()) known.insert(part.path, document);
+    const auto opening = std::make_shared<Opening>();
+    QSet<QString> seen;
     for (const QString& path : paths) {
-        if (known.contains(path)) continue;
-        known.insert(path);
-        fresh.push_back(std::make_shared<Opening>());
-        fresh.back()->path = path;
-        fresh.back()->batch = batch;
+        if (known.contains(path) || seen.contains(path)) continue;
+        seen.insert(path);
+        opening->paths << path;
     }
-    if (fresh.empty()) return;
-    batch->files = fresh.size();
-    batch->listed = fresh.size() > kListedOneByOne;
-    if (batch->listed) startBatch(batch);
-    m_waiting.insert(m_waiting.end(), fresh.begin(), fresh.end());
-    startNext();
-}
-
-void Openings::startNext()
-{
-    while (m_opening.size() < kMostAtOnce && !m_waiting.empty()) {
-        const std::shared_ptr<Opening> next = std::move(m_waiting.front());
-        m_waiting.pop_front();
-        m_opening.push_back(next);
-        start(next);
+    const qsizetype left = paths.size() - opening->paths.size();
+    if (opening->paths.isEmpty()) {
+        if (Document* const open = paths.isEmpty() ? nullptr : known.value(paths.front())) {
+            m_workspace.setActive(open);
+            if (paths.size() == 1 && open->many())
+                m_workspace.say(
+                    MessageKind::Info,
+                    tr("%1 is open already, as one of %2.").arg(fileNameOf(paths.front()), open->name()), {}, open);
+        }
+        return;
     }
+    if (left != 0)
+        m_workspace.say(
+            MessageKind::Info,
+            tr("%1 of these files are open already and are left as they are.").arg(countText(std::size_t(left))));
+    const bool many = opening->paths.size() > 1;
+    opening->origin = many && origin.isEmpty() && opening->paths.size() <= kMostRemembered
+                          ? opening->paths.join(QLatin1Char('\n'))
+                          : (many ? origin : QString());
+    opening->title = !many              ? fileNameOf(opening->paths.front())
+                     : origin.isEmpty() ? tr("%1 files").arg(countText(std::size_t(opening->paths.size())))
+                                        : fileNameOf(origin);
+    m_opening.push_back(opening);
+    start(opening);
 }
 
 void Openings::start(const std::shared_ptr<Opening>& opening)
 {
     opening->job = m_workspace.startJob(
-        tr("Open %1").arg(fileNameOf(opening->path)),
+        tr("Open %1").arg(opening->title),
         [this, opening, order = m_workspace.order(), room = m_workspace.room()](Progress& progress) {
-            progress.begin("Reading the header", 1);
-            const std::filesystem::path place = findPath(opening->path);
-            const render::CloudLoad load(Session::open(place, room), order);
+            progress.begin("Reading headers", std::uint64_t(opening->paths.size()));
+            std::vector<std::filesystem::path> places;
+            places.reserve(std::size_t(opening->paths.size()));
+            for (const QString& path : opening->paths) places.push_back(findPath(path));
+            const render::CloudLoad load(Session::open(places, room, progress), order);
             progress.check();
             opening->session = load.session();
             opening->store = load.store();
@@ -131,7 +128,7 @@ void Openings::start(const std::shared_ptr<Opening>& opening)
                 this, [this, opening] { ready(opening); }, Qt::QueuedConnection);
             opening->result = load.read(progress);
         },
-        [this, opening](const JobInfo& info) { ended(opening, info); }, opening->batch->listed, JobTurn::Queued);
+        [this, opening](const JobInfo& info) { ended(opening, info); }, false, JobTurn::Queued);
 }
 
 void Openings::ready(const std::shared_ptr<Opening>& opening)
@@ -142,89 +139,37 @@ void Openings::ready(const std::shared_ptr<Opening>& opening)
         ids.take(opening->store->slotCount());
     } catch (const Error& e) {
         m_workspace.cancel(opening->job);
-        fail(*opening,
-             tr("%1 was not opened: %2").arg(fileNameOf(opening->path), toQString(std::string(e.what()))));
+        m_workspace.say(MessageKind::Error,
+                        tr("%1 was not opened: %2").arg(opening->title, toQString(std::string(e.what()))));
         return;
     }
     Document& document = m_workspace.take(opening->session, opening->store);
     opening->document = &document;
-    if (opening->batch->files > 1 && !opening->batch->origin.isEmpty()) document.setOrigin(opening->batch->origin);
+    if (!opening->origin.isEmpty()) document.setOrigin(opening->origin);
     m_workspace.tie(document, opening->job);
-    if (!std::exchange(opening->batch->active, true)) m_workspace.setActive(&document);
+    m_workspace.setActive(&document);
 }
 
 void Openings::ended(const std::shared_ptr<Opening>& opening, const JobInfo& info)
 {
     std::erase(m_opening, opening);
-    ++opening->batch->ended;
-    startNext();
     Document* const document = opening->document;
     const auto& documents = m_workspace.documents();
     const bool wanted = document && std::find(documents.begin(), documents.end(), document) != documents.end();
     if (info.state != JobState::Finished) {
         if (wanted) m_workspace.dropUnread(*document);
-        if (info.state == JobState::Failed) fail(*opening, toQString(info.error));
+        if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
         return;
     }
     if (!wanted) return;  // closed while its last points arrived
     m_workspace.finishLoading(*document, opening->result);
-    tell(opening->batch, *document);
+    tell(*document);
 }
 
-void Openings::fail(const Opening& opening, const QString& sentence)
-{
-    if (opening.batch->listed)
-        opening.batch->failures << sentence;
-    else
-        m_workspace.say(MessageKind::Error, sentence);
-}
-
-void Openings::tell(const std::shared_ptr<Batch>& batch, Document& document)
+void Openings::tell(Document& document)
 {
     const auto [sentence, details] = newsOf(document);
-    if (sentence.isEmpty()) return;
-    if (!batch->listed)
-        m_workspace.say(MessageKind::Warning, sentence, details, &document);
-    else
-        (document.recovered() ? batch->damages : batch->remarks)
-            << (details.isEmpty() ? sentence : sentence + QLatin1Char('\n') + details);
-}
-
-void Openings::startBatch(const std::shared_ptr<Batch>& batch)
-{
-    m_workspace.startJob(
-        tr("Open %1 files").arg(countText(batch->files)),
-        [batch](Progress& progress) {
-            progress.begin("Reading files", batch->files);
-            for (std::size_t counted = 0; counted < batch->files;) {
-                progress.check();
-                const std::size_t now = batch->ended;
-                progress.add(now - counted);
-                counted = now;
-                if (counted < batch->files) std::this_thread::sleep_for(kBatchStep);
-            }
-        },
-        [this, batch](const JobInfo& info) { endBatch(batch, info); });
-}
-
-void Openings::endBatch(const std::shared_ptr<Batch>& batch, const JobInfo& info)
-{
-    if (info.state == JobState::Cancelled) {
-        std::erase_if(m_waiting, [&](const auto& opening) { return opening->batch == batch; });
-        for (const auto& opening : m_opening)
-            if (opening->batch == batch) m_workspace.cancel(opening->job);
-    }
-    const QString files = countText(batch->files);
-    const auto say = [&](MessageKind kind, const QString& sentence, const QStringList& lines) {
-        if (lines.isEmpty()) return;
-        m_workspace.say(kind, sentence.arg(countText(std::size_t(lines.size())), files),
-                        lines.join(QLatin1Char('\n')));
-    };
-    say(MessageKind::Warning, tr("%1 of %2 files opened with warnings."), batch->remarks);
-    say(MessageKind::Warning,
-        tr("%1 of %2 files are damaged; what could be read is open, and can be saved under another name."),
-        batch->damages);
-    say(MessageKind::Error, tr("%1 of %2 files could not be opened."), batch->failures);
+    if (!sentence.isEmpty()) m_workspace.say(MessageKind::Warning, sentence, details, &document);
 }
 
 }  // namespace punctum::ui

@@ -21,11 +21,23 @@ QString editsText(const std::vector<std::string>& names)
     return names.size() > kMost ? Recovery::tr("%1 and %2 more").arg(list, countText(names.size() - kMost)) : list;
 }
 
+namespace
+{
+
+QStringList filesOf(const Document& document)
+{
+    QStringList files;
+    for (const Document::Part& part : document.parts()) files << part.path;
+    return files;
+}
+
+}  // namespace
+
 Recovery::Recovery(Workspace& workspace, std::filesystem::path folder)
     : m_workspace(workspace), m_folder(std::move(folder))
 {
     connect(&workspace, &Workspace::documentLoaded, this, [this](Document* document) {
-        if (const auto wanted = m_wanted.extract(document->path())) recoverFrom(*document, wanted.mapped());
+        if (const auto wanted = m_wanted.extract(filesOf(*document))) recoverFrom(*document, wanted.mapped());
     });
     connect(&workspace, &Workspace::jobEnded, this, [this] {
         if (!m_workspace.opening()) m_wanted.clear();  // the file could not be opened, which was said
@@ -114,14 +126,15 @@ void Recovery::listKept(std::function<void(std::vector<KeptJournal>)> found)
 void Recovery::recoverKept(const KeptJournal& kept)
 {
     if (kept.files.empty()) return;
-    const QString file = toQString(kept.files.front());
+    QStringList files;
+    for (const std::filesystem::path& file : kept.files) files << toQString(file);
     for (Document* document : m_workspace.documents())
-        if (document->path() == file && !document->loading()) {
+        if (filesOf(*document) == files && !document->loading()) {
             m_workspace.setActive(document);
             return recoverFrom(*document, kept.path);
         }
-    m_wanted[file] = kept.path;
-    m_workspace.open(file);
+    m_wanted[files] = kept.path;
+    m_workspace.open(files);
 }
 
 void Recovery::recoverFrom(Document& document, const std::filesystem::path& path)

@@ -54,7 +54,7 @@ public:
 
     /// Looks for all journals that can be had back, newest first, in a job.
     void listKept(std::function<void(std::vector<KeptJournal>)> found);
-    /// Does the edits of one again, in its file, which is opened where it is not open.
+    /// Does the edits of one again, in its files, which are opened where they are not open.
     void recoverKept(const KeptJournal& kept);
     /// Deletes it for good.
     void removeKept(const std::filesystem::path& path, std::function<void()> done);
@@ -66,7 +66,7 @@ private:
 
     Workspace& m_workspace;
     std::filesystem::path m_folder;
-    std::map<QString, std::filesystem::path> m_wanted;  ///< journals to be followed once their files are open
+    std::map<QStringList, std::filesystem::path> m_wanted;  ///< journals to be followed once their files are open
 };
 
 }  // namespace punctum::ui

@@ -22,7 +22,10 @@ struct Saves::Saving {
     QPointer<Document> document;  ///< null once it is closed
     std::shared_ptr<Session> session;
     std::filesystem::path original;
-    std::filesystem::path target;
+    std::filesystem::path target;    ///< of a survey: the folder
+    bool inPlace = false;            ///< of a survey: each file where it is
+    std::vector<std::size_t> parts;  ///< of a survey: these alone; empty: those that changed, or all
+    QString name;                    ///< for jobs and messages
     std::optional<Forecast> forecast;
     las::WriteOptions options;
     std::function<void(bool)> ended;
@@ -30,16 +33,21 @@ struct Saves::Saving {
     std::optional<las::WriteQuestion> question;  ///< why it stopped, where the user can decide
 };
 
-void Saves::save(Document& document, const QString& path, std::function<void(bool)> ended, Workspace::AskSave ask)
+/// Null: it cannot be, which was said.
+std::shared_ptr<Saves::Saving> Saves::begin(Document& document, const QString& path,
+                                            std::function<void(bool)> ended)
 {
-    const std::filesystem::path target = toPath(QDir::cleanPath(QDir::current().absoluteFilePath(path)));
+    const bool inPlace = document.many() && (path.isEmpty() || path == document.path());
+    const std::filesystem::path target =
+        toPath(QDir::cleanPath(QDir::current().absoluteFilePath(inPlace ? document.path() : path)));
     const auto refuse = [&](const QString& sentence) {
         m_workspace.say(MessageKind::Error, sentence);
         if (ended) ended(false);
+        return nullptr;
     };
     if (document.loading())
         return refuse(tr("%1 is still being read: save it when all points are here.").arg(document.name()));
-    if (document.recovered() && target == document.session()->openedPath())
+    if (!document.replaceable() && target == document.session()->openedPath())
         return refuse(
             tr("%1 is damaged, and only part of it could be read: save under another name.").arg(document.name()));
     auto saving = std::make_shared<Saving>();
@@ -47,9 +55,29 @@ void Saves::save(Document& document, const QString& path, std::function<void(boo
     saving->session = document.session();
     saving->original = toPath(document.path());
     saving->target = target;
+    saving->inPlace = inPlace;
+    saving->name = document.many() ? document.name() : toQString(target.filename());
     saving->options.upgrade = document.upgradeAllowed();
     saving->ended = std::move(ended);
-    if (!ask) return startSave(saving);
+    return saving;
+}
+
+void Saves::saveParts(Document& document, std::vector<std::size_t> parts)
+{
+    const auto saving = begin(document, {}, {});
+    if (!saving || parts.empty()) return;
+    if (parts.size() == 1 && parts.front() < document.parts().size())
+        saving->name = document.parts()[parts.front()].name;
+    saving->parts = std::move(parts);
+    startSave(saving);
+}
+
+void Saves::save(Document& document, const QString& path, std::function<void(bool)> ended, Workspace::AskSave ask)
+{
+    const auto saving = begin(document, path, std::move(ended));
+    if (!saving) return;
+    if (document.many() && !saving->inPlace) return askReplacing(saving, [this, saving] { startSave(saving); });
+    if (!ask || saving->inPlace) return startSave(saving);
 
     // First what it would change, then the question, then the save.
     m_workspace.startJob(
@@ -89,12 +117,16 @@ void Saves::startSave(const std::shared_ptr<Saving>& saving)
 {
     // Closing a document does not stop the save that was asked for before: the job is not tied to it.
     m_workspace.startJob(
-        tr("Save %1").arg(toQString(saving->target.filename())),
+        tr("Save %1").arg(saving->name),
         [saving](Progress& progress) {
             saving->question.reset();
             try {
-                saving->outcome = saving->session->save(
-                    {saving->target, saving->options, true, std::move(saving->forecast)}, progress);
+                saving->outcome =
+                    saving->session->save({.target = saving->inPlace ? std::filesystem::path() : saving->target,
+                                           .options = saving->options,
+                                           .forecast = std::move(saving->forecast),
+                                           .parts = saving->parts},
+                                          progress);
             } catch (const las::WriteQuestion& question) {
                 saving->question = question;
                 throw;
@@ -106,7 +138,10 @@ void Saves::startSave(const std::shared_ptr<Saving>& saving)
             const bool done = info.state == JobState::Finished;
             if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
             if (done) {
-                const Document::LastSave save{savedText(saving->outcome, saving->target),
+                const bool many = saving->session->many();
+                const Document::LastSave save{many ? savedPartsText(saving->outcome, saving->session->parts(),
+                                                                    saving->inPlace, saving->target)
+                                                   : savedText(saving->outcome, saving->target),
                                               savedDetails(saving->outcome, saving->original, saving->target)};
                 m_workspace.say(MessageKind::Info, save.sentence, save.details);
                 if (saving->outcome.disturbed)
@@ -174,6 +209,60 @@ void Saves::askFor(const std::shared_ptr<Saving>& saving)
     });
 }
 
+/// In a folder that has files of those names already.
+void Saves::askReplacing(const std::shared_ptr<Saving>& saving, std::function<void()> proceed)
+{
+    const auto there = std::make_shared<QStringList>();
+    m_workspace.startJob(
+        tr("Look into %1").arg(toQString(saving->target.filename())),
+        [saving, there](Progress& progress) {
+            for (const SessionPart& part : saving->session->parts()) {
+                progress.check();
+                std::error_code unknown;
+                const std::filesystem::path target = saving->target / part.path.filename();
+                if (target != part.path && std::filesystem::exists(target, unknown))
+                    *there << toQString(target.filename());
+            }
+        },
+        [this, saving, there, proceed = std::move(proceed)](const JobInfo& info) {
+            const auto give = [saving](bool wanted, const std::function<void()>& go) {
+                if (wanted) return go();
+                if (saving->ended) saving->ended(false);
+            };
+            if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
+            if (info.state != JobState::Finished) return give(false, proceed);
+            if (there->isEmpty() || !m_workspace.askQuestion) return give(there->isEmpty(), proceed);
+            const QString folder = toQString(saving->target.filename());
+            m_workspace.askQuestion(
+                {there->size() == 1
+                     ? tr("Replace %1 in %2?").arg(there->front(), folder)
+                     : tr("Replace %1 files in %2?").arg(countText(std::size_t(there->size())), folder),
+                 tr("There are files of these names already, which are gone then."), tr("&Replace")},
+                [give, proceed](bool wanted) { give(wanted, proceed); });
+        },
+        true);
+}
+
+void Saves::merge(Document& document, const QString& path)
+{
+    const auto saving = begin(document, path, {});
+    if (!saving) return;
+    const auto report = std::make_shared<las::WriteReport>();
+    m_workspace.startJob(
+        tr("Save %1 as one file").arg(document.name()),
+        [saving, report](Progress& progress) {
+            *report = saving->session->merge(saving->target, saving->options, progress);
+        },
+        [this, saving, report](const JobInfo& info) {
+            if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
+            if (info.state == JobState::Finished)
+                m_workspace.say(MessageKind::Info,
+                                tr("Saved all files as %1: %2, %3. The files stay open as they are.")
+                                    .arg(toQString(saving->target.filename()), pointsText(report->points),
+                                         bytesText(report->bytes)));
+        });
+}
+
 void Saves::countUnsaved(Document& document)
 {
     if (!m_workspace.find(document.cloud().get())) return;  // closed while it was saved
@@ -182,19 +271,29 @@ void Saves::countUnsaved(Document& document)
         count.again = true;
         return;
     }
-    if (!document.modified()) return document.setUnsavedChanges({});
-    auto changes = std::make_shared<QString>();
+    if (!document.modified()) {
+        document.setChangedParts({});
+        return document.setUnsavedChanges({});
+    }
+    struct Found {
+        QString sentence;
+        std::vector<bool> parts;
+    };
+    const auto found = std::make_shared<Found>();
     const QPointer<Document> target(&document);
     count.job = m_workspace.startJob(
         tr("Unsaved changes of %1").arg(document.name()),
-        [session = document.session(), changes](Progress& progress) {
-            *changes = toQString(session->unsavedChanges(progress));
+        [session = document.session(), found](Progress& progress) {
+            found->sentence = toQString(session->unsavedChanges(progress));
+            if (session->many()) found->parts = session->changedParts(progress);
         },
-        [this, target, changes](const JobInfo& info) {
+        [this, target, found](const JobInfo& info) {
             const auto counted = target ? m_counts.find(target.data()) : m_counts.end();
             if (counted == m_counts.end()) return;
             counted->second.job = 0;
-            target->setUnsavedChanges(info.state == JobState::Finished ? *changes : QString());
+            const bool known = info.state == JobState::Finished;
+            target->setUnsavedChanges(known ? found->sentence : QString());
+            target->setChangedParts(known ? found->parts : std::vector<bool>());
             if (std::exchange(counted->second.again, false)) countUnsaved(*target);
         },
         true);

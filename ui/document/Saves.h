@@ -25,7 +25,9 @@ public:
 
     /// Workspace::save().
     void save(Document& document, const QString& path, std::function<void(bool)> ended, Workspace::AskSave ask);
-    /// Works out Document::unsavedChanges() anew.
+    void saveParts(Document& document, std::vector<std::size_t> parts);
+    void merge(Document& document, const QString& path);
+    /// Works out Document::unsavedChanges() anew, and which files of a survey have them.
     void countUnsaved(Document& document);
     /// The document is being closed.
     void forget(Document& document) { m_counts.erase(&document); }
@@ -35,6 +37,8 @@ signals:
 
 private:
     struct Saving;
+    std::shared_ptr<Saving> begin(Document& document, const QString& path, std::function<void(bool)> ended);
+    void askReplacing(const std::shared_ptr<Saving>& saving, std::function<void()> proceed);
     void startSave(const std::shared_ptr<Saving>& saving);
     void askFor(const std::shared_ptr<Saving>& saving);
 

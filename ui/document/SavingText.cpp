@@ -26,13 +26,11 @@ QString notesText(const std::vector<std::string>& notes)
     return sentences.join(QLatin1Char(' '));
 }
 
-}  // namespace
-
-QString savedText(const SaveOutcome& outcome, const std::filesystem::path& target)
+/// "%1: 1,204 points, 6 kB, read back and compared." and what follows.
+QString withFigures(const QString& saved, const SaveOutcome& outcome)
 {
-    QStringList sentences{
-        tr("Saved %1: %2, %3, read back and compared.")
-            .arg(toQString(target.filename()), pointsText(outcome.report.points), bytesText(outcome.report.bytes))};
+    QStringList sentences{tr("%1: %2, %3, read back and compared.")
+                              .arg(saved, pointsText(outcome.report.points), bytesText(outcome.report.bytes))};
     if (outcome.compared) {
         const QString changes = toQString(las::summary(outcome.preview.difference));
         sentences << (changes.isEmpty() ? tr("Nothing in it changed.") : tr("Changes: %1.").arg(changes));
@@ -42,6 +40,31 @@ QString savedText(const SaveOutcome& outcome, const std::filesystem::path& targe
         if (!notes.isEmpty()) sentences << notes;
     }
     return sentences.join(QLatin1Char(' '));
+}
+
+}  // namespace
+
+QString savedText(const SaveOutcome& outcome, const std::filesystem::path& target)
+{
+    return withFigures(tr("Saved %1").arg(toQString(target.filename())), outcome);
+}
+
+QString savedPartsText(const SaveOutcome& outcome, const std::vector<SessionPart>& files, bool inPlace,
+                       const std::filesystem::path& target)
+{
+    constexpr std::size_t kNamed = 4;
+    const std::size_t count = outcome.parts.size();
+    if (count == 0) return tr("None of the %1 files changed, and none was written.").arg(countText(files.size()));
+    QStringList names;
+    for (std::size_t k = 0; k < std::min(kNamed, count); ++k)
+        names << toQString(files[outcome.parts[k]].path.filename());
+    QString list = names.join(QStringLiteral(", "));
+    if (count > kNamed) list += tr(" and %1 more").arg(countText(count - kNamed));
+    QString saved = count == 1
+                        ? tr("Saved %1 of %2 files").arg(list, countText(files.size()))
+                        : tr("Saved %1 of %2 files (%3)").arg(countText(count), countText(files.size()), list);
+    if (!inPlace) saved += tr(" in %1").arg(toQString(target.filename()));
+    return withFigures(saved, outcome);
 }
 
 QString savedDetails(const SaveOutcome& outcome, const std::filesystem::path& original,

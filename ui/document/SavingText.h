@@ -6,6 +6,7 @@
 #include <QString>
 
 #include <filesystem>
+#include <vector>
 
 namespace punctum::ui
 {
@@ -14,6 +15,10 @@ namespace punctum::ui
 
 /// What the message and the properties say: "Saved a.laz: 1,204 points, 6 kB, read back and compared. ..."
 QString savedText(const SaveOutcome& outcome, const std::filesystem::path& target);
+/// The same of a survey, whose files these are: "Saved 2 of 4 files (a.laz, b.laz): ...", in `target` unless each
+/// stayed in its place.
+QString savedPartsText(const SaveOutcome& outcome, const std::vector<SessionPart>& files, bool inPlace,
+                       const std::filesystem::path& target);
 /// The whole comparison, in lines; empty when there is none.
 QString savedDetails(const SaveOutcome& outcome, const std::filesystem::path& original,
                      const std::filesystem::path& target);

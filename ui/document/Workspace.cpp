@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/document/Workspace.h"
 
+#include "core/cloud/BlockBoxes.h"
 #include "core/edit/History.h"
 #include "core/measure/Spacing.h"
 #include "core/task/Progress.h"
@@ -110,9 +111,6 @@ void Workspace::open(const QStringList& paths, const QString& origin)
 {
     QStringList wanted;
     for (const QString& path : paths) wanted << QDir::cleanPath(QDir::current().absoluteFilePath(path));
-    if (wanted.size() == 1)
-        for (Document* document : m_documents)
-            if (document->path() == wanted.front()) setActive(document);
     m_openings->open(wanted, origin);
 }
 
@@ -161,8 +159,31 @@ void Workspace::finishLoading(Document& document, const las::ReadResult& result)
 {
     document.setLoaded(result);
     emit documentLoaded(&document);
+    if (document.many()) findPartBounds(document);
     analyze(document, {});
     m_recovery->look(document);
+}
+
+void Workspace::findPartBounds(Document& document)
+{
+    std::vector<PointRange> ranges;
+    for (const Document::Part& part : document.parts())
+        ranges.push_back(part.damaged ? PointRange{} : part.points);  // what could not be read is nowhere
+    const auto bounds = std::make_shared<std::vector<WorldBounds>>();
+    tie(document, startJob(
+                      tr("Extents of the files of %1").arg(document.name()),
+                      [cloud = document.cloud(), ranges = std::move(ranges), bounds](Progress& progress) {
+                          for (const PointRange& range : ranges) {
+                              progress.check();
+                              bounds->push_back(range.empty()
+                                                    ? WorldBounds()
+                                                    : cloud->coordinates().toWorld(boundsOf(*cloud, range)));
+                          }
+                      },
+                      [target = QPointer<Document>(&document), bounds](const JobInfo& info) {
+                          if (target && info.state == JobState::Finished) target->setPartBounds(*bounds);
+                      },
+                      true));
 }
 
 void Workspace::dropUnread(Document& document)
@@ -304,6 +325,16 @@ void Workspace::analyze(Document& document, const QStringList& names)
 void Workspace::save(Document& document, const QString& path, std::function<void(bool)> ended, AskSave ask)
 {
     m_saves->save(document, path, std::move(ended), std::move(ask));
+}
+
+void Workspace::saveParts(Document& document, std::vector<std::size_t> parts)
+{
+    m_saves->saveParts(document, std::move(parts));
+}
+
+void Workspace::merge(Document& document, const QString& path)
+{
+    m_saves->merge(document, path);
 }
 
 void Workspace::undo(Document& document)

@@ -51,10 +51,10 @@ public:
     void setActive(Document* document);
     Document* find(const PointCloud* cloud) const;
 
-    /// Reads these files, a few at a time; each document is there as soon as header and columns are, and fills
-    /// meanwhile. The first of them becomes active. A file that cannot be read is one message, and nothing else
-    /// changes. One that is open already is left as it is, and becomes active if it is asked for alone.
-    /// `origin`: the folder that they were found in, if it was that which the user opened.
+    /// Reads these files as one document, a survey where they are several. It is there, and active, as soon as
+    /// headers and columns are, and fills meanwhile. Where none can be read there is one message, and nothing else
+    /// changes. Files that are open already are left as they are; when all are, their document becomes active.
+    /// `origin`: the folder or virtual point cloud that they were found in, if it was that which the user opened.
     void open(const QStringList& paths, const QString& origin = {});
     void open(const QString& path) { open(QStringList(path)); }
     /// In which the points of files that are opened from now on are drawn.
@@ -69,7 +69,13 @@ public:
     using AskSave = std::function<void(const QString& what, std::function<void(bool)> answer)>;
     /// Writes LAS or LAZ by the path's ending, and tells what that changed. `ended(true)`: written and renamed over
     /// `path`. Without `ask` it goes on in any case.
+    /// Of a survey, `path` empty or its own: the files that changed, all or none; a folder: all files under their
+    /// names there.
     void save(Document& document, const QString& path, std::function<void(bool)> ended = {}, AskSave ask = {});
+    /// These files of a survey alone, in their own place.
+    void saveParts(Document& document, std::vector<std::size_t> parts);
+    /// All points of a survey into one file, which is none of its files; nothing counts as saved.
+    void merge(Document& document, const QString& path);
     /// Asked by a save that cannot go on without the user's word. Without it, such a save fails with a message.
     AskQuestion askQuestion;
     void undo(Document& document);
@@ -131,6 +137,7 @@ private:
     /// A document of it, which fills from now on.
     Document& take(std::shared_ptr<Session> session, std::shared_ptr<render::PointStore> store);
     void finishLoading(Document& document, const las::ReadResult& result);
+    void findPartBounds(Document& document);
     void dropUnread(Document& document);
     const HistoryRoom& room() const noexcept { return m_room; }
     void distinguish();

@@ -138,12 +138,14 @@ void SelectBar::saveSelected()
     Document* const document = m_workspace.active();
     const auto points = m_selection.points(document);
     if (!points) return m_workspace.say(MessageKind::Info, tr("Select the points first."));
-    const QFileInfo file(document->path());
+    const QFileInfo file(document->parts().front().path);
+    const QString base = document->many() ? tr("selected") : file.completeBaseName() + tr("-part");
     const QPointer<Document> target(document);
-    const QString path = QFileDialog::getSaveFileName(
-        &m_menus.window(), tr("Save selected points as"),
-        file.path() + QLatin1Char('/') + file.completeBaseName() + tr("-part.") + file.suffix(),
-        tr("LAS/LAZ point clouds (*.las *.laz)"));
+    const QString path =
+        QFileDialog::getSaveFileName(&m_menus.window(), tr("Save selected points as"),
+                                     (document->many() ? document->path() : file.path()) + QLatin1Char('/') + base +
+                                         QLatin1Char('.') + file.suffix(),
+                                     tr("LAS/LAZ point clouds (*.las *.laz)"));
     if (!path.isEmpty() && target) m_workspace.extract(*target, points, path);
 }
 

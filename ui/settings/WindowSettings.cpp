@@ -22,7 +22,7 @@ namespace
 {
 
 constexpr int kRecentFiles = 10;
-constexpr int kLayoutVersion = 3;  // raise when docks come or go
+constexpr int kLayoutVersion = 4;  // raise when docks come or go
 
 const QString kGeometry = QStringLiteral("window/geometry");
 const QString kLayout = QStringLiteral("window/state");
@@ -236,7 +236,7 @@ void WindowSettings::addRecentFiles(const QStringList& paths)
         recent.prepend(path);
     }
     set(kRecent, recent.mid(0, kRecentFiles));
-    setFolder(QFileInfo(paths.back()).path());
+    setFolder(folderOf(paths.back()));
 }
 
 void WindowSettings::clearRecentFiles()

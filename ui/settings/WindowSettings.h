@@ -59,7 +59,7 @@ public:
 
     /// Newest first.
     QStringList recentFiles() const;
-    /// Files or folders, the newest last.
+    /// Document::origin() of what was opened, the newest last.
     void addRecentFiles(const QStringList& paths);
     void clearRecentFiles();
     /// Chosen last in files with this unit of length (Document::lengthUnit()); 0: none was chosen yet.

@@ -182,8 +182,10 @@ bool Framing::showsAnything() const
 
 void Framing::documentAdded(Document* document)
 {
-    m_camerasBefore[document] = {m_viewport.camera(), m_viewport.userMoves()};
-    refresh(document);
+    const bool keep = std::exchange(m_keepOnce, false);
+    // Where the view is to stay, it is as if the user had moved it since.
+    m_camerasBefore[document] = {m_viewport.camera(), m_viewport.userMoves() - (keep ? 1 : 0)};
+    refresh(keep ? nullptr : document);
 }
 
 void Framing::documentLoaded(Document* document)

@@ -38,6 +38,8 @@ public:
     void fitAll();
     /// The same of the active document.
     void fitActive();
+    /// The document that is opened next leaves the view where it is: it goes on with one that is closed for it.
+    void keepViewOnce() { m_keepOnce = true; }
 
 private:
     using Found = std::function<void(const ShownExtent&)>;
@@ -67,6 +69,7 @@ private:
     ShownExtent m_fitted;                              ///< what was fitted last
     bool m_fittedAll = false;                          ///< with its strays
     std::uint64_t m_request = 0;                       ///< the newest fit
+    bool m_keepOnce = false;
     QTimer m_refresh;
     QPointer<Document> m_refreshFit;   ///< that the view is fitted for then, unless the user ...
     std::uint64_t m_refreshMoves = 0;  ///< ... has moved it since

@@ -73,6 +73,9 @@ void ShownCount::ask()
     }
     state.shown = state.all - state.deleted;
     if (!m_filter.text().isEmpty()) state.reasons << tr("filter");
+    int files = 0;
+    for (const Document* document : m_workspace.documents()) files += document->hiddenParts();
+    if (files != 0) state.reasons << (files == 1 ? tr("1 file") : tr("%1 files").arg(files));
     if (m_clip.box) state.reasons << tr("box");
     if (const std::size_t cuts = m_clip.planes.size(); cuts != 0)
         state.reasons << (cuts == 1 ? tr("1 cut") : tr("%1 cuts").arg(cuts));

@@ -34,8 +34,8 @@ struct ShownState {
     QString text() const;
 };
 
-/// How many points of the open files the view shows, and what hides the others: filter, box, cuts, classes, and
-/// that they are deleted. Counted anew by a job, a moment after anything of it has changed. GUI thread only;
+/// How many points of the open files the view shows, and what hides the others: filter, files, box, cuts, classes,
+/// and that they are deleted. Counted anew by a job, a moment after anything of it has changed. GUI thread only;
 /// borrows all that it is given.
 class ShownCount final : public QObject
 {

@@ -26,7 +26,7 @@ ShownPill::ShownPill(Viewport& viewport, ViewScope& scope)
     m_text->setTextFormat(Qt::PlainText);
     m_showAll->setCursor(Qt::PointingHandCursor);
     m_showAll->setFocusPolicy(Qt::TabFocus);
-    m_showAll->setToolTip(tr("Takes the filter, the box and the cuts away, and shows all classes"));
+    m_showAll->setToolTip(tr("Takes the filter, the box and the cuts away, and shows all classes and files"));
     auto* row = new QHBoxLayout(this);
     row->setContentsMargins(11, 4, 9, 4);
     row->setSpacing(8);

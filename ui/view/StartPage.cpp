@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "ui/view/StartPage.h"
 
+#include "ui/basic/Text.h"
 #include "ui/style/Icons.h"
 #include "ui/style/Theme.h"
 
 #include <QDir>
-#include <QFileInfo>
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QPushButton>
@@ -100,8 +100,7 @@ void StartPage::setRecentFiles(const QStringList& paths)
     m_recentColumn->addWidget(label(tr("Open before"), kDimColor));
     m_recentColumn->addSpacing(4);
     for (const QString& path : paths.mid(0, kMostRecent)) {
-        const QFileInfo file(path);
-        const QString name = file.fileName(), folder = shortFolder(file.path());
+        const QString name = pathsText(path), folder = shortFolder(folderOf(path));
         auto* const button = new QPushButton;
         button->setObjectName(QStringLiteral("recent"));
         button->setStyleSheet(

@@ -21,7 +21,11 @@ ViewFilter::ViewFilter(Workspace& workspace, ViewRenderer& renderer, ViewSetting
     : QObject(parent), m_workspace(workspace), m_renderer(renderer), m_settings(settings)
 {
     connect(&workspace, &Workspace::documentLoaded, this, [this](Document* document) {
-        if (!m_text.isEmpty()) apply(*document);
+        connect(document, &Document::partsShownChanged, this, [this, document] {
+            applyAnew(*document);
+            emit changed();
+        });
+        if (!m_text.isEmpty() || document->hiddenParts() != 0) apply(*document);
     });
     connect(&workspace, &Workspace::documentRemoved, this,
             [this](const Document* document, bool) { m_states.erase(document); });
@@ -29,7 +33,7 @@ ViewFilter::ViewFilter(Workspace& workspace, ViewRenderer& renderer, ViewSetting
     connect(&workspace, &Workspace::cloudChanged, this, [this](Document* document, const ChangeNotice& notice) {
         if (document->loading()) return;
         if (notice.kind == ChangeNotice::Kind::Deleted) return apply(*document);
-        if (m_text.isEmpty()) return;
+        if (m_text.isEmpty()) return;  // no value decides then
         const std::vector<std::string>& names = m_states[document].attributes;
         const bool other = notice.kind == ChangeNotice::Kind::Values && !names.empty() &&
                            std::none_of(names.begin(), names.end(), [&](const std::string& name) {
@@ -51,10 +55,20 @@ void ViewFilter::setText(const QString& text)
     emit changed();
 }
 
+/// What the job of now finds is no longer what is asked for.
+void ViewFilter::applyAnew(Document& document)
+{
+    const auto found = m_states.find(&document);
+    if (found == m_states.end() || found->second.job == 0) return apply(document);
+    found->second.again = true;
+    m_workspace.cancel(found->second.job);
+}
+
 void ViewFilter::apply(Document& document)
 {
     State& state = m_states[&document];
-    if (m_text.isEmpty()) {
+    const std::vector<PointRange> notShown = document.hiddenRanges();
+    if (m_text.isEmpty() && notShown.empty()) {
         if (state.job != 0) m_workspace.cancel(state.job);
         state = {};
         m_renderer.hide(document.cloud(), document.deleted());
@@ -76,23 +90,27 @@ void ViewFilter::apply(Document& document)
     state.again = false;
     state.job = m_workspace.startJob(
         tr("Filter %1").arg(document.name()),
-        [cloud = document.cloud(), deleted = document.deleted(), text = m_text.toStdString(),
+        [cloud = document.cloud(), deleted = document.deleted(), text = m_text.toStdString(), notShown,
          result](Progress& progress) {
             try {
-                const expression::Condition condition(text, *cloud);
-                result->attributes = condition.attributes();
-                result->hidden = expression::selectOthers(*cloud, condition, progress);
-                if (deleted) result->hidden->remove(*deleted);
-                result->count = result->hidden->count();
-                if (deleted) result->hidden->insert(*deleted);
+                if (!text.empty()) {
+                    const expression::Condition condition(text, *cloud);
+                    result->attributes = condition.attributes();
+                    result->hidden = expression::selectOthers(*cloud, condition, progress);
+                    if (deleted) result->hidden->remove(*deleted);
+                    result->count = result->hidden->count();
+                }
             } catch (const expression::ExpressionError& wrong) {
                 result->error = QString::fromUtf8(wrong.what());
             }
+            if (!notShown.empty() && !result->hidden) result->hidden = std::make_shared<PointSet>(cloud->size());
+            if (deleted && result->hidden) result->hidden->insert(*deleted);
+            for (const PointRange& range : notShown) result->hidden->insert(range);
         },
         [this, target = QPointer<Document>(&document), result, version = m_version](const JobInfo& info) {
             if (!target) return;
             const auto found = m_states.find(target.data());
-            if (found == m_states.end() || found->second.version != version) return;
+            if (found == m_states.end() || found->second.job != info.id) return;  // no longer wanted
             State& now = found->second;
             now.job = 0;
             const bool fine = info.state == JobState::Finished && version == m_version;

@@ -22,7 +22,8 @@ class Workspace;
 
 /// Keeps the view's filter, a condition over attributes, applied to all open documents: finds the points for which
 /// it does not hold by a job, tells the renderer, and does so again when values change. A document without one of
-/// the attributes is shown whole. Deleted points are hidden in any case.
+/// the attributes is shown whole. Points of files of a survey that are not to be seen, and deleted ones, are hidden
+/// in any case.
 ///
 /// GUI thread only; borrows all three, which must outlive it.
 class ViewFilter final : public QObject
@@ -42,8 +43,8 @@ public:
     /// The points of some document are being looked for; changed() comes when they are found.
     bool looking() const;
 
-    /// All that the view hides of a document: classes, clip and filter. Edits by hand must leave those points
-    /// alone: ask hiddenPoints() in a job.
+    /// All that the view hides of a document: classes, clip, files and filter. Edits by hand must leave those
+    /// points alone: ask hiddenPoints() in a job.
     Visibility visibility(const Document& document) const;
 
 signals:
@@ -51,7 +52,7 @@ signals:
 
 private:
     struct State {
-        std::shared_ptr<const PointSet> hidden;  ///< deleted points among them
+        std::shared_ptr<const PointSet> hidden;  ///< files not shown and deleted points among them
         quint64 count = 0;
         QString error;
         std::vector<std::string> attributes;  ///< that the condition reads
@@ -60,6 +61,7 @@ private:
         bool again = false;                   ///< values changed while it ran
     };
     void apply(Document& document);
+    void applyAnew(Document& document);
     const State* activeState() const;
 
     Workspace& m_workspace;

@@ -79,6 +79,7 @@ void ViewScope::showAll()
     m_settings.setClip({});
     m_settings.setAllClassesVisible(true);
     m_filter.setText({});
+    for (Document* document : m_workspace.documents()) document->showAllParts();
 }
 
 }  // namespace punctum::ui

@@ -12,7 +12,6 @@
 #include <QActionGroup>
 #include <QColorDialog>
 #include <QDockWidget>
-#include <QFileInfo>
 #include <QMainWindow>
 #include <QMenu>
 #include <QToolBar>
@@ -49,15 +48,19 @@ void MainMenu::makeFile()
     open = m_menus.add(menu, tr("&Open..."), QStringLiteral("open"), {QKeySequence::Open},
                        tr("Open LAS or LAZ files"), [this] { emit openWanted(); });
     m_menus.add(menu, tr("Open &Folder..."), {}, {QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_O)},
-                tr("Open all LAS and LAZ files of a folder and of those in it"),
+                tr("Open all LAS and LAZ files of a folder and of those in it as one survey"),
                 [this] { emit openFolderWanted(); });
     m_recent = menu->addMenu(tr("Open &Recent"));
     menu->addSeparator();
     save = m_menus.add(menu, tr("&Save"), QStringLiteral("save"), {QKeySequence::Save}, tr("Save the active file"),
                        [this] { emit saveWanted(); });
-    saveAs =
-        m_menus.add(menu, tr("Save &As..."), {}, {QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_S)},
-                    tr("Save the active file under another name, as LAS or LAZ"), [this] { emit saveAsWanted(); });
+    saveAs = m_menus.add(
+        menu, tr("Save &As..."), {}, {QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_S)},
+        tr("Save the active file under another name, as LAS or LAZ, or the files of a survey into another folder"),
+        [this] { emit saveAsWanted(); });
+    saveAsOneFile = m_menus.add(menu, tr("Save as O&ne File..."), {}, {},
+                                tr("Write all files of the survey into one; they stay open as they are"),
+                                [this] { emit saveAsOneFileWanted(); });
     QAction* recover = m_menus.add(menu, tr("Reco&ver Edits..."), {}, {},
                                    tr("List the edits that were not saved before the program ended"),
                                    [this] { emit recoverWanted(); });
@@ -287,8 +290,9 @@ void MainMenu::update(const Document* document)
     const bool ready = document && !document->loading();
     m_menus.setDocumentOpen(document != nullptr);
     saveAs->setEnabled(ready);
-    save->setEnabled(ready && !document->recovered());
-    save->setToolTip(document && document->recovered()
+    saveAsOneFile->setEnabled(ready && document->many());
+    save->setEnabled(ready && document->replaceable());
+    save->setToolTip(document && !document->replaceable()
                          ? tr("This file is damaged and may not be overwritten: use Save As.")
                      : !document || document->unsavedChanges().isEmpty()
                          ? tr("Save the active file (%1)").arg(save->shortcut().toString(QKeySequence::NativeText))
@@ -315,7 +319,7 @@ void MainMenu::setRecentFiles(const QStringList& paths)
 {
     m_recent->clear();
     for (const QString& path : paths) {
-        QAction* action = m_recent->addAction(menuText(QFileInfo(path).fileName()));
+        QAction* action = m_recent->addAction(menuText(pathsText(path)));
         action->setToolTip(path);
         connect(action, &QAction::triggered, this, [this, path] { emit recentChosen(path); });
     }

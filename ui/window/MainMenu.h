@@ -49,6 +49,7 @@ public:
     QAction* open = nullptr;
     QAction* save = nullptr;
     QAction* saveAs = nullptr;
+    QAction* saveAsOneFile = nullptr;
     QAction* screenshot = nullptr;
     QAction* close = nullptr;
     QAction* undo = nullptr;
@@ -61,6 +62,7 @@ signals:
     void openFolderWanted();
     void saveWanted();
     void saveAsWanted();
+    void saveAsOneFileWanted();
     void recoverWanted();
     void screenshotWanted();
     void closeWanted();

@@ -5,6 +5,7 @@
 #include "ui/docks/AttributesDock.h"
 #include "ui/docks/AttributesModel.h"
 #include "ui/docks/ClassesDock.h"
+#include "ui/docks/FilesDock.h"
 #include "ui/docks/HistoryDock.h"
 #include "ui/docks/JobsDock.h"
 #include "ui/docks/JobsModel.h"
@@ -47,6 +48,7 @@
 #include "ui/window/PlainKeys.h"
 #include "ui/window/RecoveryList.h"
 #include "ui/window/SaveDialogs.h"
+#include "ui/window/SurveyCommands.h"
 
 #include <QApplication>
 #include <QCloseEvent>
@@ -95,6 +97,7 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     setCentralWidget(views);
     m_filter = new ViewFilter(*m_workspace, *m_renderer, *m_view, this);
     m_framing = new Framing(*m_workspace, *m_filter, *m_viewport, this);
+    m_survey = new SurveyCommands(*this, *m_workspace, *m_framing);
     m_selection = new Selection(*m_workspace, *m_renderer, *m_view, *m_filter, this);
     m_undoOrder = new UndoOrder(*m_workspace, *m_selection, this);
     m_shown = new ShownCount(*m_workspace, *m_view, *m_filter, this);
@@ -150,6 +153,7 @@ void MainWindow::addDocks()
     m_processing = new ProcessingDock(*m_workspace, this);
     m_edit = new EditDock(*m_workspace, *m_selection, *m_renderer, *m_view, this);
     m_history = new HistoryDock(*m_workspace, this);
+    m_files = new FilesDock(*m_workspace, this);
     m_properties = new PropertiesDock(*new FileDoctor(*m_workspace, this), this);
     m_measureDock = new MeasureDock(*m_measurements, this);
     m_jobs = new JobsDock(*m_workspace, this);
@@ -157,26 +161,27 @@ void MainWindow::addDocks()
     m_panels = new Panels(*this);
     m_panels->addLeft({m_attributes, m_classes});
     m_panels->addRight({m_processing, m_edit, m_properties, m_visibility, m_measureDock});
-    m_panels->addRight({m_jobs, m_history});
+    m_panels->addRight({m_jobs, m_history, m_files});
 }
 
 void MainWindow::addMenus()
 {
     m_menus = new Menus(*this);
     m_menu = new MainMenu(*m_menus, *m_undoOrder, *m_viewport, *m_view,
-                          {m_attributes, m_classes, m_processing, m_edit, m_properties, m_visibility, m_measureDock,
-                           m_history, m_jobs});
+                          {m_attributes, m_classes, m_files, m_processing, m_edit, m_properties, m_visibility,
+                           m_measureDock, m_history, m_jobs});
     m_opener = new Opener(*this, *m_workspace, *m_viewport, *m_settings);
     connect(m_menus, &Menus::viewWanted, this, &MainWindow::focusView);
     connect(m_menu, &MainMenu::openWanted, m_opener, &Opener::chooseFiles);
     connect(m_menu, &MainMenu::openFolderWanted, m_opener, &Opener::chooseFolder);
-    connect(m_menu, &MainMenu::recentChosen, m_opener, [this](const QString& path) { m_opener->open({path}); });
+    connect(m_menu, &MainMenu::recentChosen, m_opener, &Opener::openOrigin);
     connect(m_menu, &MainMenu::recentCleared, m_opener, &Opener::clearRecentFiles);
     const auto showRecent = [this] { m_menu->setRecentFiles(m_opener->recentFiles()); };
     connect(m_opener, &Opener::recentFilesChanged, m_menu, showRecent);
     showRecent();
     connect(m_menu, &MainMenu::saveWanted, this, &MainWindow::save);
     connect(m_menu, &MainMenu::saveAsWanted, this, &MainWindow::saveAs);
+    connect(m_menu, &MainMenu::saveAsOneFileWanted, this, &MainWindow::saveAsOneFile);
     connect(m_menu, &MainMenu::recoverWanted, this, [this] { (new RecoveryList(*m_workspace, this))->show(); });
     connect(m_menu, &MainMenu::screenshotWanted, this, [this] { m_screenshots->choose(); });
     connect(m_menu, &MainMenu::closeWanted, this, &MainWindow::closeActive);
@@ -240,6 +245,7 @@ void MainWindow::connectParts()
         m_processing->setDocument(document);
         m_edit->setDocument(document);
         m_history->setDocument(document);
+        m_files->setDocument(document);
         m_properties->setDocument(document);
         m_visibility->setDocument(document);
         updateTitle();
@@ -260,6 +266,10 @@ void MainWindow::connectParts()
     });
     connect(m_attributes, &AttributesDock::attributeChosen, this, &MainWindow::showAttribute);
     connect(m_processing, &ProcessingDock::showAttribute, this, &MainWindow::showAttribute);
+    connect(m_files, &FilesDock::zoomWanted, this,
+            [this](const WorldBounds& bounds) { m_viewport->fitTo(bounds); });
+    connect(m_files, &FilesDock::removeWanted, this,
+            [this](Document* document, const std::vector<std::size_t>& parts) { removeFiles(*document, parts); });
     connect(m_edit, &EditDock::begun, this, &MainWindow::focusView);
 
     connect(m_renderer, &ViewRenderer::failed, this,
@@ -292,6 +302,7 @@ void MainWindow::openFiles(const QStringList& files)
 void MainWindow::documentAdded(Document* document)
 {
     m_renderer->addCloud(document->store());
+    if (document->many() && !m_files->isHidden()) m_files->raise();
     m_titleTimer.start();
 }
 
@@ -324,16 +335,23 @@ void MainWindow::save()
 {
     Document* active = m_workspace->active();
     if (!active) return;
-    if (active->recovered())
+    if (!active->replaceable())
         saveAs();
     else
         saveTo(*active, active->path());
+}
+
+void MainWindow::saveAsOneFile()
+{
+    Document* active = m_workspace->active();
+    if (active && active->many()) m_survey->saveAsOneFile(*active);
 }
 
 void MainWindow::saveAs()
 {
     Document* active = m_workspace->active();
     if (!active) return;
+    if (active->many()) return m_survey->saveIntoFolder(*active);
     const QString las = tr("LAS point cloud (*.las)"), laz = tr("Compressed LAZ point cloud (*.laz)");
     QString filter = active->path().endsWith(QLatin1String(".las"), Qt::CaseInsensitive) ? las : laz;
     const QPointer<Document> document(active);
@@ -364,7 +382,7 @@ bool MainWindow::confirmClose(Document& document, std::function<void()> afterSav
         case UnsavedAnswer::Save:
             break;
     }
-    if (document.recovered()) {
+    if (!document.replaceable()) {
         saveAs();  // it needs another name first; closing is asked for anew then
         return false;
     }
@@ -383,6 +401,14 @@ void MainWindow::closeActive()
         if (document) m_workspace->close(*document);
     };
     if (confirmClose(*active, closeIt)) closeIt();
+}
+
+void MainWindow::removeFiles(Document& document, const std::vector<std::size_t>& parts)
+{
+    const auto removeThem = [this, alive = QPointer<Document>(&document), parts] {
+        if (alive) m_survey->remove(*alive, parts);
+    };
+    if (confirmClose(document, removeThem)) removeThem();
 }
 
 void MainWindow::closeEvent(QCloseEvent* event)

@@ -13,6 +13,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 class QApplication;
 class QLabel;
@@ -23,6 +24,7 @@ namespace punctum::ui
 class AttributesDock;
 class ClassesDock;
 class Document;
+class FilesDock;
 class Framing;
 class JobsDock;
 class MainMenu;
@@ -49,6 +51,7 @@ class ViewSettings;
 class Viewport;
 class ShownCount;
 class ShownPill;
+class SurveyCommands;
 class UndoOrder;
 class VisibilityDock;
 class WindowSettings;
@@ -117,6 +120,7 @@ public:
     Places& places() noexcept { return *m_places; }
     EditDock& editDock() noexcept { return *m_edit; }
     HistoryDock& historyDock() noexcept { return *m_history; }
+    FilesDock& filesDock() noexcept { return *m_files; }
     /// Keys go to the view.
     void focusView();
 
@@ -126,6 +130,7 @@ public:
 public slots:
     void save();
     void saveAs();
+    void saveAsOneFile();
     void closeActive();
     void saveTo(Document& document, const QString& path);
     /// Shows the next (1) or previous (-1) attribute of the active document.
@@ -147,6 +152,7 @@ private:
     void showViewState();
     void setBackend(render::BackendKind kind);
     void setAppearance(Appearance appearance);
+    void removeFiles(Document& document, const std::vector<std::size_t>& parts);
     /// True: go on at once. False: not now; after a save that was asked for, `afterSaving` is called.
     bool confirmClose(Document& document, std::function<void()> afterSaving);
 
@@ -182,6 +188,8 @@ private:
     Places* m_places = nullptr;
     EditDock* m_edit = nullptr;
     HistoryDock* m_history = nullptr;
+    FilesDock* m_files = nullptr;
+    SurveyCommands* m_survey = nullptr;
     QLabel* m_readOut = nullptr;
     QLabel* m_viewState = nullptr;
     QLabel* m_backend = nullptr;

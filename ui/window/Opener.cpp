@@ -41,11 +41,12 @@ QStringList localFiles(const QMimeData& data)
 
 }  // namespace
 
-/// What the user named, and what is in its folders.
+/// What the user named, and what that stands for.
 struct Opener::Search {
-    QStringList folders;  ///< among what was named
-    QStringList files;    ///< named, or found
-    FoundFiles found;     ///< in folders alone
+    QStringList places;  ///< folders and virtual point clouds among what was named
+    QStringList files;   ///< named, or found
+    FoundFiles found;    ///< in those places alone
+    bool alone = false;  ///< one thing was named
 };
 
 Opener::Opener(QWidget& window, Workspace& workspace, Viewport& view, WindowSettings& settings)
@@ -64,7 +65,7 @@ Opener::Opener(QWidget& window, Workspace& workspace, Viewport& view, WindowSett
     StartPage& page = m_view.startPage();
     connect(&page, &StartPage::openRequested, this, &Opener::chooseFiles);
     connect(&page, &StartPage::folderRequested, this, &Opener::chooseFolder);
-    connect(&page, &StartPage::recentChosen, this, [this](const QString& path) { open({path}); });
+    connect(&page, &StartPage::recentChosen, this, [this](const QString& origin) { openOrigin(origin); });
     showRecent();
 }
 
@@ -74,7 +75,7 @@ void Opener::chooseFiles()
 {
     const QStringList files =
         QFileDialog::getOpenFileNames(&m_window, tr("Open point clouds"), m_settings.folder(),
-                                      tr("LAS/LAZ point clouds (*.las *.laz *.LAS *.LAZ);;All files (*)"));
+                                      tr("Point clouds (*.las *.laz *.vpc *.LAS *.LAZ *.VPC);;All files (*)"));
     if (files.isEmpty()) return;
     m_settings.setFolder(QFileInfo(files.front()).path());
     open(files);
@@ -82,8 +83,8 @@ void Opener::chooseFiles()
 
 void Opener::chooseFolder()
 {
-    const QString folder =
-        QFileDialog::getExistingDirectory(&m_window, tr("Open all point clouds of a folder"), m_settings.folder());
+    const QString folder = QFileDialog::getExistingDirectory(
+        &m_window, tr("Open all point clouds of a folder as one survey"), m_settings.folder());
     if (folder.isEmpty()) return;
     m_settings.setFolder(folder);
     open({folder});
@@ -95,6 +96,7 @@ void Opener::open(const QStringList& paths)
 {
     if (paths.isEmpty()) return;
     const auto search = std::make_shared<Search>();
+    search->alone = paths.size() == 1;
     QStringList absolute;
     for (const QString& path : paths) absolute << QDir::cleanPath(QDir::current().absoluteFilePath(path));
     m_workspace.startJob(
@@ -103,15 +105,14 @@ void Opener::open(const QStringList& paths)
         [absolute, search](Progress& progress) {
             for (const QString& path : absolute) {
                 progress.check();
-                std::error_code unknown;  // what cannot be looked at is opened, which says why
                 const std::filesystem::path place = findPath(path);
-                if (!std::filesystem::is_directory(place, unknown)) {
+                if (!standsForFiles(place)) {
                     search->files << path;
                     continue;
                 }
                 const auto first = search->found.files.size();
-                findFiles(place, search->found, progress);
-                search->folders << path;
+                addFilesOf(place, search->found, progress);
+                search->places << path;
                 for (std::size_t k = first; k < search->found.files.size(); ++k)
                     search->files << toQString(search->found.files[k]);
             }
@@ -123,11 +124,16 @@ void Opener::open(const QStringList& paths)
         true);
 }
 
+void Opener::openOrigin(const QString& origin)
+{
+    open(origin.split(QLatin1Char('\n'), Qt::SkipEmptyParts));
+}
+
 void Opener::openFound(const Search& search)
 {
-    const bool one = search.folders.size() == 1;
-    const QString name = one ? QFileInfo(search.folders.front()).fileName() : QString();
-    if (!search.folders.isEmpty() && search.found.files.empty())
+    const bool one = search.places.size() == 1;
+    const QString name = one ? QFileInfo(search.places.front()).fileName() : QString();
+    if (!search.places.isEmpty() && search.found.files.empty())
         m_workspace.say(MessageKind::Warning, one ? tr("There is no LAS or LAZ file in %1.").arg(name)
                                                   : tr("There is no LAS or LAZ file in these folders."));
     if (search.found.closedFolders != 0)
@@ -135,7 +141,12 @@ void Opener::openFound(const Search& search)
                                                   ? tr("One folder could not be read; its files are left out.")
                                                   : tr("%1 folders could not be read; their files are left out.")
                                                         .arg(countText(search.found.closedFolders)));
-    const auto openAll = [this, files = search.files, origin = one ? search.folders.front() : QString()] {
+    if (search.found.remote != 0)
+        m_workspace.say(MessageKind::Warning,
+                        tr("%1 files of %2 lie on servers and are left out; download them first.")
+                            .arg(countText(search.found.remote), one ? name : tr("virtual point clouds")));
+    const auto openAll = [this, files = search.files,
+                          origin = search.alone && one ? search.places.front() : QString()] {
         m_workspace.open(files, origin);
     };
     if (search.found.files.size() < kAskFrom || !m_workspace.askQuestion) return openAll();
@@ -155,6 +166,7 @@ void Opener::openFound(const Search& search)
 void Opener::remember(const Document& document)
 {
     const QString origin = document.origin();
+    if (origin.isEmpty()) return;
     m_remembered.removeAll(origin);
     m_remembered << origin;
     m_rememberTimer.start(m_workspace.opening() ? kRememberPause : 0);
@@ -184,7 +196,7 @@ bool Opener::hint(const QMimeData& mime)
     const QStringList files = localFiles(mime);
     if (files.isEmpty()) return false;
     m_view.showDropHint(files.size() == 1 ? tr("Open %1").arg(QUrl::fromLocalFile(files.front()).fileName())
-                                          : tr("Open %1 files").arg(countText(std::size_t(files.size()))));
+                                          : tr("Open %1 files together").arg(countText(std::size_t(files.size()))));
     return true;
 }
 

@@ -19,8 +19,9 @@ class WindowSettings;
 class Workspace;
 
 /// How the user opens files: by dialogs, by dropping them anywhere on the window, from the list of recent ones, on
-/// the command line. Folders stand for the LAS and LAZ files in them and in all folders inside; they are searched
-/// by a job, and many files are asked about first.
+/// the command line. What is named together is one document. Folders stand for the LAS and LAZ files in them and in
+/// all folders inside, virtual point clouds for the files that they name; they are searched by a job, and many
+/// files are asked about first.
 ///
 /// GUI thread only. A child of the window; borrows what it is made with.
 class Opener final : public QObject
@@ -31,6 +32,8 @@ public:
 
     /// Files and folders, in any mix. Returns at once.
     void open(const QStringList& paths);
+    /// What Document::origin() said.
+    void openOrigin(const QString& origin);
     void chooseFiles();
     void chooseFolder();
     /// Newest first.

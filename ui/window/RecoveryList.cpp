@@ -27,7 +27,7 @@ namespace
 QString fileText(const KeptJournal& journal)
 {
     return journal.files.size() == 1 ? toQString(journal.files.front().filename())
-                                     : RecoveryList::tr("%n file(s)", nullptr, int(journal.files.size()));
+                                     : RecoveryList::tr("%1 files").arg(countText(journal.files.size()));
 }
 
 }  // namespace
@@ -100,8 +100,6 @@ void RecoveryList::fill(std::vector<KeptJournal> journals)
         const QString edits = editsText(journal.edits);
         QStringList files;
         for (const std::filesystem::path& file : journal.files) files << toQString(file);
-        const QString name = journal.files.size() == 1 ? toQString(journal.files.front().filename())
-                                                       : tr("%n file(s)", nullptr, int(journal.files.size()));
         auto* item = new QTreeWidgetItem(
             m_list, {fileText(journal), edits, windowLocale().toString(changed, QLocale::ShortFormat),
                      journal.setAside ? tr("set aside") : tr("waits for its file")});
