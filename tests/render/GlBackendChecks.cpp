@@ -166,6 +166,39 @@ void GlBackendChecks::convergedEqualsBruteForce()
     QCOMPARE(differing(view.renderer.image(), expected), 0);
 }
 
+// What is out of sight is left out, in every piece of memory and by every way of filling, and nothing else.
+void GlBackendChecks::outOfSightMakesNoDifference()
+{
+    const std::vector stores{filledStore(cloudNamed("synthetic")), filledStore(makeCloud(150'000))};
+    Camera camera = cameraFor(stores.front()->cloud());
+    View view(gl({.chunkSlots = PointStore::kBlockSlots}), stores, camera, {});
+    View reference(gl(), stores, camera, {});
+    const PointIndex all = stores.front()->cloud().size() + stores.back()->cloud().size();
+    int part = 0;
+    for (int k = 0; k < 8; ++k) {
+        camera.orthographic = k % 2 == 1;
+        camera.yaw = 0.8 * k;
+        camera.pitch = -1.4 + 0.2 * k;
+        const double x = 20.0 * k, y = 180 - 15.0 * k, reach = k % 3 == 0 ? 2.0 : 12.0;
+        camera.fit({{x, y, 0}, {x + reach, y + reach, 5}}, {kWidth, kHeight});
+        DisplaySettings display;
+        display.pointSize = k % 4 == 1 ? 6 : 1;
+        if (k % 4 == 2) display.cuts.push_back({camera.right(), glm::dot(camera.right(), camera.pivot) + 1});
+        display.averaged = k == 3;
+        for (View* each : {&view, &reference}) {
+            each->renderer.setDisplay(display);
+            each->renderer.setCamera(camera);
+        }
+        view.renderer.setPointsAFrame(k % 3 == 2 ? 100'000 : 0);  // else the device decides, where it can
+        view.converge(0.005);
+        part += view.renderer.pointsInSight() < all / 2 ? 1 : 0;
+        const double different = share(view.renderer.image(), reference);
+        QVERIFY2(different <= std::max(m_tolerance.converged, k == 3 ? kAveraged : 0.0),
+                 qPrintable(percent(different)));
+    }
+    QVERIFY2(part >= 4, qPrintable(QString::number(part)));
+}
+
 // How much a frame draws is decided by the device: nothing but the first run where there is no time, all that is
 // offered where there is enough, and the picture comes to the same.
 void GlBackendChecks::deviceKeepsTheBudget()

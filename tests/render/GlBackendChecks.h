@@ -51,6 +51,7 @@ private slots:
     void depthsKeepTheirDigits();
     void convergedEqualsBruteForce_data();
     void convergedEqualsBruteForce();
+    void outOfSightMakesNoDifference();
     void deviceKeepsTheBudget();
     void movingKeepsThePicture();
     void chunksMakeNoDifference();

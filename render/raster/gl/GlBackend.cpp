@@ -21,6 +21,8 @@ using Part = GlPointCopy::Part;
 /// drawTimed() brings points to the device in steps of so many slots, for at most this share of its time.
 constexpr Slot kUploadSlots = PointStore::kBlockSlots;
 constexpr double kUploadShare = 0.5;
+/// Commands of drawTimed(), about: 100 KiB.
+constexpr std::size_t kMostCommands = 2048;
 
 }  // namespace
 
@@ -188,7 +190,7 @@ void GlBackend::drawTimed(const FrameScene& scene, std::span<const Run> runs, do
     const GlStateGuard guard;
     updateCopies(scene);
     std::vector<ChunkPlace> places;
-    std::vector<GlBudget::Piece> pieces;
+    std::vector<GlBudget::Piece> budgeted;
     for (std::size_t i = 0; i < runs.size() && (i < 2 || steady_clock::now() < enough); ++i) {
         const Run& run = runs[i];
         const Layer& layer = scene.layers[run.layer];
@@ -205,8 +207,16 @@ void GlBackend::drawTimed(const FrameScene& scene, std::span<const Run> runs, do
             const std::size_t chunk = at / copy.chunkSlots();
             const Slot first = copy.chunks()[chunk].first;
             const Slot last = std::min(end, first + copy.chunks()[chunk].slots);
-            places.push_back({layer.firstId + first, run.layer, chunk});
-            pieces.push_back({at - first, last - at, at - run.range.first, end - run.range.first, run.step});
+            m_pieces.clear();
+            pieces(layer, {at, last}, std::max<std::size_t>(1, kMostCommands / runs.size()), m_pieces);
+            // A run begins with a command at its first slot (GlBudget).
+            if (at == run.range.first && (m_pieces.empty() || m_pieces.front().first != at))
+                m_pieces.insert(m_pieces.begin(), SlotRange{at, at});
+            for (const SlotRange& piece : m_pieces) {
+                places.push_back({layer.firstId + first, run.layer, chunk});
+                budgeted.push_back({piece.first - first, piece.size(), piece.first - run.range.first,
+                                    end - run.range.first, run.step});
+            }
             at = last;
         }
         if (end < run.range.last) break;
@@ -215,8 +225,8 @@ void GlBackend::drawTimed(const FrameScene& scene, std::span<const Run> runs, do
     drawSlots(scene, scene.layers[runs.front().layer], runs.front().range);
     m_budget.mark(GlBudget::Moment::FirstDone);
     const GlVisibility::Band& decided =
-        m_budget.decide(pieces, runs.front().range.size(), m_groupPoints.run, seconds);
-    if (!pieces.empty()) drawCommands(scene, places, {&decided, 1});
+        m_budget.decide(budgeted, runs.front().range.size(), m_groupPoints.run, seconds);
+    if (!budgeted.empty()) drawCommands(scene, places, {&decided, 1});
     m_budget.mark(GlBudget::Moment::Done);
     checkGlErrors("drawing points");
 }

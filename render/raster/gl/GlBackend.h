@@ -10,6 +10,7 @@
 #include <array>
 #include <memory>
 #include <unordered_map>
+#include <vector>
 
 namespace punctum::render
 {
@@ -82,8 +83,14 @@ protected:
     virtual void targetChanged() {}
     /// Draws a run of slots, whose positions (and classes, when points are filtered) have come over.
     virtual void drawSlots(const FrameScene& scene, const Layer& layer, SlotRange slots) = 0;
-    /// Draws by the commands of each band, one for each of these chunks: points that collect() listed; without a
-    /// list, slots from Command::firstIndex on.
+    /// Appends what drawCommands() is to be asked for of a run of slots, in rising order and at most `most` pieces:
+    /// all of it, or what of it is in sight where a backend does not look for that itself.
+    virtual void pieces(const Layer&, SlotRange slots, std::size_t /*most*/, std::vector<SlotRange>& out) const
+    {
+        out.push_back(slots);
+    }
+    /// Draws by the commands of each band, one for each of these places: points that collect() listed; without a
+    /// list, slots from Command::firstIndex on. Places of one chunk stand together.
     virtual void drawCommands(const FrameScene& scene, std::span<const ChunkPlace> places,
                               std::span<const GlVisibility::Band> bands) = 0;
     /// addColors() of a run of slots that has come over, into sums that there is room for.
@@ -121,6 +128,7 @@ private:
     bool m_lit = false;                                                    ///< as in the tables
     glm::vec3 m_light{0.0f}, m_eye{0.0f};
     GlBuffer m_entries, m_tables;
+    std::vector<SlotRange> m_pieces;  ///< of a run; kept, so that memory is not asked for each frame
 };
 
 /// Sets the uniforms of projection.glsl in the program that is in use.

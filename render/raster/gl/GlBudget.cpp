@@ -7,6 +7,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace punctum::render
@@ -55,8 +56,11 @@ const GlVisibility::Band& GlBudget::decide(std::span<const Piece> pieces, Slot f
         m_program = GlProgram::compute("budget.comp", {kShaderHead, resource("shaders/gl/command.glsl"),
                                                        resource("shaders/gl/budget.comp.glsl")});
     std::vector<GlVisibility::Command> commands;
-    for (const Piece& p : pieces)
-        commands.push_back({p.count, 1, p.first, 0, 0, {0, 1, 1}, 0, p.offset, p.run, p.step});
+    Slot before = 0, run = 0;
+    for (const Piece& p : pieces) {
+        if (p.offset == 0) before += std::exchange(run, p.run);
+        commands.push_back({p.count, 1, p.first, 0, 0, {0, 1, 1}, 0, p.offset, p.run, p.step, before});
+    }
     const std::size_t bytes = commands.size() * sizeof(GlVisibility::Command);
     m_decided.commands.reserve(std::max(bytes, sizeof(GlVisibility::Command)));
     m_decided.commands.write(0, commands.data(), bytes, m_traffic);

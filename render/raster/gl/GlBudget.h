@@ -32,8 +32,9 @@ public:
         Slot run = 0;     ///< slots of that run
         Slot step = 1;    ///< the run may end at multiples of it
     };
-    /// Commands for these pieces, which the device cuts off where time ends. `firstSlots`: drawn between
-    /// FirstBegins and FirstDone. `seconds`: from Start. Valid until the next call.
+    /// Commands for these pieces, of one run after the other and rising, the first of each at offset 0, which the
+    /// device cuts off where time ends. `firstSlots`: drawn between FirstBegins and FirstDone. `seconds`: from
+    /// Start. Valid until the next call.
     const GlVisibility::Band& decide(std::span<const Piece> pieces, Slot firstSlots, std::uint32_t groupPoints,
                                      double seconds);
     /// Waits for Done.

@@ -34,9 +34,10 @@ public:
         std::uint32_t baseInstance;
         std::uint32_t groups[3];
         std::uint32_t written;            ///< used by collect.comp
-        std::uint32_t offset, run, step;  ///< used by budget.comp: GlBudget::Piece
+        std::uint32_t offset, run, step;  ///< used by budget.comp: GlBudget::Piece ...
+        std::uint32_t before;             ///< ... and slots of the runs before its own
     };
-    static_assert(sizeof(Command) == 48 && offsetof(Command, groups) == 20);
+    static_assert(sizeof(Command) == 52 && offsetof(Command, groups) == 20);
 
     /// Rows of the picture that are stored together, and the visible points of them, sorted by chunk.
     struct Band {

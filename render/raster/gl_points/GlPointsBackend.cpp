@@ -12,11 +12,35 @@
 #include <cmath>
 #include <compare>
 #include <map>
+#include <vector>
 
 namespace punctum::render
 {
 namespace
 {
+
+/// Of a run drawn at once: so many draws of the pieces in sight at most.
+constexpr std::size_t kMostDraws = 4096;
+/// Slots out of sight between two pieces that are drawn rather than left out: a draw of its own costs about as
+/// much.
+constexpr std::uint64_t kLeastGap = 256;
+
+/// Joins pieces, rising and apart, over small gaps; over larger ones until there are at most `most`.
+void join(std::vector<SlotRange>& pieces, std::size_t most)
+{
+    std::uint64_t gap = kLeastGap;
+    do {
+        std::size_t kept = 0;
+        for (const SlotRange& piece : pieces) {
+            if (kept > 0 && piece.first - pieces[kept - 1].last <= gap)
+                pieces[kept - 1].last = piece.last;
+            else
+                pieces[kept++] = piece;
+        }
+        pieces.resize(kept);
+        gap *= 2;
+    } while (pieces.size() > most);
+}
 
 std::string_view pointsShader(std::string_view name)
 {
@@ -40,6 +64,7 @@ protected:
     void addSlots(const FrameScene& scene, const Layer& layer, const LayerColors& colors, SlotRange slots) override;
     void drawCommands(const FrameScene& scene, std::span<const ChunkPlace> places,
                       std::span<const GlVisibility::Band> bands) override;
+    void pieces(const Layer& layer, SlotRange slots, std::size_t most, std::vector<SlotRange>& out) const override;
 
 private:
     /// What a program is made for.
@@ -58,6 +83,9 @@ private:
     bool m_otherSamples = false;    ///< the driver's samples are not where samplePlaces() has them
     GlTextureVisibility* m_target;  ///< the visibility buffer, which GlBackend owns
     std::map<Variant, GlProgram> m_programs;
+    std::vector<SlotRange> m_inSight;  ///< of a run; kept, so that memory is not asked for each frame
+    std::vector<GLint> m_firsts;       ///< likewise, of the draws of a chunk
+    std::vector<GLsizei> m_counts;
     std::array<GLint, 32> m_places{};    ///< of the driver's samples, steps
     float m_margin = 0, m_perPixel = 0;  ///< of the viewport, see points.vert
 };
@@ -188,15 +216,31 @@ void GlPointsBackend::addSlots(const FrameScene& scene, const Layer& layer, cons
     drawChunks(layer, slots);
 }
 
+void GlPointsBackend::pieces(const Layer& layer, SlotRange slots, std::size_t most,
+                             std::vector<SlotRange>& out) const
+{
+    if (!layer.visible) return out.push_back(slots);
+    layer.visible->pieces(slots, slots.size(), out);
+    join(out, most);
+}
+
 void GlPointsBackend::drawChunks(const Layer& layer, SlotRange slots)
 {
     const GlPointCopy& copy = copyOf(layer);
     for (Slot at = slots.first; at < slots.last;) {
         const GlPointCopy::Chunk& chunk = copy.chunks()[at / copy.chunkSlots()];
         const Slot end = std::min(slots.last, chunk.first + chunk.slots);
+        m_inSight.clear();
+        pieces(layer, {at, end}, kMostDraws, m_inSight);
+        m_firsts.clear();
+        m_counts.clear();
+        for (const SlotRange& piece : m_inSight) {
+            m_firsts.push_back(GLint(piece.first - chunk.first));
+            m_counts.push_back(GLsizei(piece.size()));
+        }
         glUniform1ui(at::kFirstId, layer.firstId + chunk.first);
         glBindVertexArray(chunk.points.id());
-        glDrawArrays(GL_POINTS, GLint(at - chunk.first), GLsizei(end - at));
+        glMultiDrawArrays(GL_POINTS, m_firsts.data(), m_counts.data(), GLsizei(m_firsts.size()));
         at = end;
     }
 }
@@ -206,23 +250,29 @@ void GlPointsBackend::drawCommands(const FrameScene& scene, std::span<const Chun
 {
     beginDrawing(scene);
     std::size_t layer = scene.layers.size();
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        const Layer& l = scene.layers[places[i].layer];
-        const GlPointCopy::Chunk& chunk = copyOf(l).chunks()[places[i].chunk];
+    for (std::size_t first = 0, next = 0; first < places.size(); first = next) {
+        const ChunkPlace& place = places[first];
+        while (next < places.size() && places[next].layer == place.layer && places[next].chunk == place.chunk)
+            ++next;
+        const Layer& l = scene.layers[place.layer];
+        const GlPointCopy::Chunk& chunk = copyOf(l).chunks()[place.chunk];
         if (!chunk.points) continue;
-        if (layer != places[i].layer) useLayer(l);
-        layer = places[i].layer;
+        if (layer != place.layer) useLayer(l);
+        layer = place.layer;
         glUniform1ui(at::kFirstId, l.firstId + chunk.first);
         glBindVertexArray(chunk.points.id());
+        constexpr auto kBytes = GLsizei(sizeof(GlVisibility::Command));
+        const auto count = GLsizei(next - first);
         for (const GlVisibility::Band& band : bands) {
             glBindBuffer(GL_DRAW_INDIRECT_BUFFER, band.commands.id());
-            const auto* const command = reinterpret_cast<const void*>(i * sizeof(GlVisibility::Command));
+            const auto* const command = reinterpret_cast<const void*>(first * sizeof(GlVisibility::Command));
             if (!band.list) {
-                glDrawArraysIndirect(GL_POINTS, command);  // reads baseVertex, which is 0, as the base instance
+                // reads baseVertex, which is 0, as the base instance
+                glMultiDrawArraysIndirect(GL_POINTS, command, count, kBytes);
                 continue;
             }
             glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, band.list.id());
-            glDrawElementsIndirect(GL_POINTS, GL_UNSIGNED_INT, command);
+            glMultiDrawElementsIndirect(GL_POINTS, GL_UNSIGNED_INT, command, count, kBytes);
         }
         glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, 0);
     }

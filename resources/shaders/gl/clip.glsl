@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// LayerClip in render/raster/Backend.h, as useClip() sets it.
+// render/scene/LayerClip.h, as useClip() sets it.
 layout(location = AT_clipLow) uniform ivec3 clipLow;
 layout(location = AT_clipHigh) uniform ivec3 clipHigh;
 layout(location = AT_planeCount) uniform int planeCount;  // -1: all is drawn

@@ -6,5 +6,5 @@ struct Command {
     uint baseInstance;
     uint groupsX, groupsY, groupsZ;  // as glDispatchComputeIndirect reads it
     uint written;
-    uint offset, run, step;
+    uint offset, run, step, before;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// LayerProjection in render/raster/Backend.h, as useProjection() sets it; the order of operations is that of the CPU
+// render/scene/LayerProjection.h, as useProjection() sets it; the order of operations is that of the CPU
 // backend's kernels.
 layout(location = AT_reference) uniform ivec3 reference;
 layout(location = AT_rowX) uniform vec4 rowX;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The size of a point in steps of 1/16 px, and which samples a circle covers (LayerProjection in
-// render/raster/Backend.h), as usePointSize() sets it.
+// render/scene/LayerProjection.h), as usePointSize() sets it.
 layout(location = AT_sizes) uniform ivec2 sizes;  // least and most
 layout(location = AT_sizeOverDepth) uniform float sizeOverDepth;
 layout(location = AT_circles) uniform bool circles;

@@ -8,7 +8,7 @@
 //
 // PASS 3, when all is drawn: adds colors to the samples whose nearest point is at most 1 % nearer (section 3.6).
 //
-// Where points go and what they cover is LayerProjection in render/raster/Backend.h.
+// Where points go and what they cover is in render/scene/LayerProjection.h.
 layout(local_size_x = GROUP_SIZE) in;
 
 layout(std430, binding = 0) readonly buffer Positions { int positions[]; };  // local integers; x == 0: empty slot

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Projects one point (LayerProjection in render/raster/Backend.h), and places it so that the rasterizer covers
+// Projects one point (render/scene/LayerProjection.h), and places it so that the rasterizer covers
 // exactly the samples that the contract asks for.
 layout(location = 0) in ivec3 position;  // local integers; x == 0: empty slot
 #ifdef FILTER
