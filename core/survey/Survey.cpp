@@ -37,7 +37,7 @@ struct Opened {
     std::string failure;
 };
 
-/// Each file once, in the order given.
+/// Each file once, in the order of their paths: the same files are the same survey, however they are named.
 std::vector<fs::path> distinct(const std::vector<fs::path>& files)
 {
     std::set<fs::path> seen;
@@ -47,6 +47,7 @@ std::vector<fs::path> distinct(const std::vector<fs::path>& files)
         const fs::path real = fs::weakly_canonical(file, error);
         if (seen.insert(error ? file : real).second) once.push_back(file);
     }
+    std::sort(once.begin(), once.end());
     return once;
 }
 

@@ -20,7 +20,7 @@ class Progress;
 
 /// One or many LAS and LAZ files as one cloud.
 ///
-/// The points of the files follow one another, so that index and neighborhood, selection and edit know no files.
+/// The points of the files follow one another, in the order of the paths, so that index and neighborhood, selection and edit know no files.
 /// Each attribute is there once (RecordUnion.h); points of a file that lacks it have no value (Column::absent()).
 /// X, Y and Z are in one grid (Grid.h), those of another coordinate system where the PROJ library puts them. What
 /// the survey's columns do not say exactly (coordinates of another grid, bytes that nobody described) each file
