@@ -104,7 +104,8 @@ private slots:
                     const bool close =
                         a.name == "ScanAngle" ? std::abs(x - y) <= 0.003 : x == y || (x != x && y != y);
                     // one byte of a legacy class holds 5 bits, and all of them are there
-                    QVERIFY2(close || part.source->crs != session->parts()[0].source->crs,
+                    const bool moved = session->survey().parts()[session->survey().partOf(part.points.first)].moved;
+                    QVERIFY2(close || (moved && a.name.size() == 1),  // X, Y or Z, shown elsewhere
                              qPrintable(QString("%1 of %2: %3, %4").arg(a.name.c_str()).arg(i).arg(x).arg(y)));
                 }
             }
@@ -174,7 +175,6 @@ private slots:
         // undone beyond the save, and saved again: as it was, but for the day in the header
         session->undo(m_progress);
         session->save({}, m_progress);
-        const auto first = las::load(place("c.las"), m_progress), second = las::load(place("old.las"), m_progress);
         QVERIFY(las::diffFiles(place("c.las"), place("old.las"), {}, m_progress).differing == 0);
     }
 
