@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <tuple>
 
 namespace punctum
@@ -14,7 +15,7 @@ namespace
 {
 
 constexpr double kMostSteps = 0x1p31 * 0.99;  ///< from the offset to the farthest point
-constexpr int kFiner = 3;                     ///< decimals that are tried
+constexpr int kFiner = 3;                     ///< decimals that are added for exact coordinates
 
 /// The whole number that a quotient of decimals means; nothing where it is none.
 bool isWhole(double v)
@@ -35,32 +36,60 @@ bool holds(double scale, double offset, double low, double high)
     return std::abs(low - offset) / step < kMostSteps && std::abs(high - offset) / step < kMostSteps;
 }
 
+/// An axis of the grid that makes the coordinates of most points whole: of the steps that files have, the finest of
+/// the best.
 void chooseAxis(std::span<const GridOfPart> parts, const CoordinateScale& most, const WorldBounds& all, int axis,
                 CoordinateScale& grid)
 {
-    double scale = most.scale[axis];
-    for (const GridOfPart& part : parts)
-        if (part.points != 0 && std::abs(part.coordinates.scale[axis]) < std::abs(scale))
-            scale = part.coordinates.scale[axis];
-    double offset = most.offset[axis];
-    if (!all.empty()) {
-        const double low = all.min[axis], high = all.max[axis];
-        while ((high - low) / std::abs(scale) > 1.9 * kMostSteps) scale *= 10.0;
-        if (!holds(scale, offset, low, high)) offset += std::round((0.5 * (low + high) - offset) / scale) * scale;
-    }
-    const auto allExact = [&](const CoordinateScale& candidate) {
-        return std::all_of(parts.begin(), parts.end(), [&](const GridOfPart& part) {
-            return part.points == 0 || isExact(part.coordinates, candidate, axis);
-        });
+    const auto fits = [&](double scale, double offset) {
+        return all.empty() || holds(scale, offset, all.min[axis], all.max[axis]);
     };
-    grid.scale[axis] = scale;
-    grid.offset[axis] = offset;
-    for (int k = 0; k < kFiner && !allExact(grid); ++k) {
-        const double finer = grid.scale[axis] / 10.0;
-        if (!all.empty() && !holds(finer, offset, all.min[axis], all.max[axis])) break;
-        grid.scale[axis] = finer;
+    /// With this step, from the offset of most points or, where it does not reach, from the middle.
+    const auto place = [&](double scale) {
+        CoordinateScale at = grid;
+        at.scale[axis] = scale;
+        at.offset[axis] = most.offset[axis];
+        if (!fits(scale, at.offset[axis]))
+            at.offset[axis] +=
+                std::round((0.5 * (all.min[axis] + all.max[axis]) - at.offset[axis]) / scale) * scale;
+        return at;
+    };
+    const auto inexact = [&](const CoordinateScale& at) {
+        PointIndex points = 0;
+        for (const GridOfPart& part : parts)
+            if (!isExact(part.coordinates, at, axis)) points += part.points;
+        return points;
+    };
+    std::set<double> steps;
+    for (const GridOfPart& part : parts)
+        if (part.points != 0) steps.insert(std::abs(part.coordinates.scale[axis]));
+    steps.insert(std::abs(most.scale[axis]));
+    CoordinateScale best = place(*steps.rbegin());
+    while (!fits(best.scale[axis], best.offset[axis])) best = place(best.scale[axis] * 10.0);
+    PointIndex fewest = inexact(best);
+    const auto consider = [&](double scale) {
+        const CoordinateScale at = place(scale);
+        if (!fits(scale, at.offset[axis])) return false;
+        if (const PointIndex n = inexact(at); n < fewest || (n == fewest && steps.contains(scale))) {
+            fewest = n;
+            best = at;
+        }
+        return true;
+    };
+    for (auto step = steps.rbegin(); step != steps.rend(); ++step) consider(*step);
+    double finer = best.scale[axis];
+    for (int k = 0; k < kFiner && fewest != 0; ++k)
+        if (!consider(finer /= 10.0)) break;
+    // what is rounded, is rounded to no more than a step of its own, where there is room
+    while (fewest != 0 && std::any_of(parts.begin(), parts.end(), [&](const GridOfPart& part) {
+               return part.points != 0 && std::abs(part.coordinates.scale[axis]) < 0.99 * best.scale[axis];
+           })) {
+        const CoordinateScale at = place(best.scale[axis] / 10.0);
+        if (!fits(at.scale[axis], at.offset[axis]) || inexact(at) > fewest) break;
+        best = at;
     }
-    if (!allExact(grid)) grid.scale[axis] = scale;
+    grid.scale[axis] = best.scale[axis];
+    grid.offset[axis] = best.offset[axis];
 }
 
 }  // namespace

@@ -26,9 +26,9 @@ struct CommonGrid {
     std::vector<std::size_t> rounded;
 };
 
-/// The grid of most points where it holds all; else one with the finest steps, made ten to a thousand times finer
-/// where that makes coordinates of all files whole, and coarser where the extent asks for it. `parts` has one at
-/// least.
+/// A grid in which the coordinates of as many points as can be are whole: with the steps of one of the files, made
+/// ten to a thousand times finer where that makes more of them whole, and coarser where the extent asks for it.
+/// `parts` has one at least.
 CommonGrid commonGrid(std::span<const GridOfPart> parts);
 
 /// From the raw integers of one grid to those of another, axis by axis.
