@@ -57,6 +57,17 @@ std::uint32_t commonSize(const std::vector<PlannedChunk>& chunks, std::uint32_t 
 
 }  // namespace
 
+std::shared_ptr<const File> ChunkPlan::openOrigin() const
+{
+    if (!copies()) return nullptr;
+    try {
+        auto file = std::make_shared<const File>(originPath);
+        return file->stamp() == originStamp ? file : nullptr;
+    } catch (const Error&) {
+        return nullptr;  // nothing is lost
+    }
+}
+
 std::vector<PlannedChunk> regularChunks(PointIndex points, std::uint32_t chunkSize)
 {
     return withoutGaps({}, points, chunkSize);
@@ -75,11 +86,10 @@ ChunkPlan planChunks(const SourceFile& source, const LazInfo& standard, const Ke
     const CurrentFile place = source.current->get();
     if (place.path.empty() || FileStamp::of(place.path) != place.stamp) return regular();
     ParsedFile parsed;
-    std::shared_ptr<const File> file;
     try {
-        file = std::make_shared<const File>(place.path);
-        if (file->stamp() != place.stamp) return regular();
-        parsed = parseFile(*file);
+        const File file(place.path);
+        if (file.stamp() != place.stamp) return regular();
+        parsed = parseFile(file);
     } catch (const Error&) {
         return regular();  // nothing is lost: every chunk is compressed anew
     }
@@ -100,7 +110,8 @@ ChunkPlan planChunks(const SourceFile& source, const LazInfo& standard, const Ke
     plan.chunks =
         withoutGaps(planned, kept.count(), std::uint32_t(std::min<std::uint64_t>(parsed.laz.chunkSize, chunkSize)));
     plan.chunkSize = commonSize(plan.chunks, parsed.laz.chunkSize);
-    plan.file = std::move(file);
+    plan.originPath = place.path;
+    plan.originStamp = place.stamp;
     plan.laz = std::move(parsed.laz);
     plan.allOrNone = plan.laz.items != standard.items;
     return plan;

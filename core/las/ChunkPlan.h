@@ -21,11 +21,16 @@ struct PlannedChunk {
 struct ChunkPlan {
     std::vector<PlannedChunk> chunks;
     std::uint32_t chunkSize = kDefaultChunkSize;  ///< kVariableChunks when the table must say each chunk's points
-    std::shared_ptr<const File> file;             ///< that the origins lie in; null when there are none
+    std::filesystem::path originPath;             ///< that the origins lie in; empty: no chunk is copied
+    FileStamp originStamp;                        ///< of that file, which is opened when chunks are copied
     LazInfo laz;                                  ///< of that file
     /// That file's chunks are coded in versions that LASzip no longer writes. All chunks of a file have one
     /// version, so that either all are copied or none.
     bool allOrNone = false;
+
+    bool copies() const noexcept { return !originPath.empty(); }
+    /// Null when there is none, or it is no longer that file: then all chunks are compressed anew. Never throws.
+    std::shared_ptr<const File> openOrigin() const;
 };
 
 /// Chunks of points written one after another, each but the last with `chunkSize` points.
@@ -34,7 +39,7 @@ std::vector<PlannedChunk> regularChunks(PointIndex points, std::uint32_t chunkSi
 /// Cuts the points that are written (`kept`) as they are cut in the file that holds the cloud
 /// at present, if that is a LAZ file with records of this kind and nobody changed it since, else into chunks of
 /// `chunkSize`. `standard`: what LASzip writes for such records. Chunks that lost points are cut anew.
-/// The file is opened, its points are not read. Never throws: a file that cannot be used is no origin.
+/// The file is looked at, its points are not read. Never throws: a file that cannot be used is no origin.
 ChunkPlan planChunks(const SourceFile& source, const LazInfo& standard, const KeptPoints& kept,
                      std::uint32_t chunkSize);
 

@@ -53,10 +53,16 @@ class ChunkWriter
 {
 public:
     ChunkWriter(const RecordMaker& maker, const LazInfo& laz, const ChunkPlan& plan, AtomicFile& file,
-                std::uint64_t begin, bool copy, Progress& progress)
-        : m_maker(maker), m_laz(laz), m_plan(plan), m_file(file), m_begin(begin), m_copy(copy), m_progress(progress)
+                std::uint64_t begin, std::shared_ptr<const File> origin, Progress& progress)
+        : m_maker(maker),
+          m_laz(laz),
+          m_plan(plan),
+          m_file(file),
+          m_begin(begin),
+          m_origin(std::move(origin)),
+          m_progress(progress)
     {
-        m_written.originVersions = copy && plan.allOrNone;
+        m_written.originVersions = m_origin != nullptr && plan.allOrNone;
     }
 
     WrittenChunks write()
@@ -87,6 +93,7 @@ public:
         m_written.table = encodeChunkTable(m_entries, m_laz.variable());
         m_file.writeAt(offset, m_written.table);
         m_written.end = offset + m_written.table.size();
+        m_written.origin = m_origin;
         return std::move(m_written);
     }
 
@@ -96,13 +103,13 @@ private:
         m_progress.check();
         const PlannedChunk& chunk = m_plan.chunks[number];
         Piece piece{number, {}, false};
-        if (m_copy && chunk.origin) {
+        if (m_origin && chunk.origin) {
             piece.bytes.resize(std::size_t(chunk.origin->bytes));
-            m_plan.file->readAt(chunk.origin->offset, piece.bytes);
+            m_origin->readAt(chunk.origin->offset, piece.bytes);
             piece.copied = holds(piece.bytes, m_plan.laz, m_maker, chunk.points, m_progress);
         }
         if (piece.copied) return piece;
-        if (m_copy && m_plan.allOrNone) throw VersionsDiffer{};
+        if (m_origin && m_plan.allOrNone) throw VersionsDiffer{};
         std::vector<std::byte> records(std::size_t(chunk.points.size() * m_laz.recordLength));
         m_maker.make(chunk.points, records.data());
         piece.bytes = encodeChunk(m_laz, records, m_progress);
@@ -127,7 +134,7 @@ private:
     const ChunkPlan& m_plan;
     AtomicFile& m_file;
     std::uint64_t m_begin;
-    bool m_copy;
+    std::shared_ptr<const File> m_origin;  ///< null: nothing is copied
     Progress& m_progress;
     std::vector<ChunkEntry> m_entries;
     WrittenChunks m_written;
@@ -138,18 +145,19 @@ private:
 WrittenChunks writeChunks(const RecordMaker& maker, const LazInfo& laz, const ChunkPlan& plan, AtomicFile& file,
                           std::uint64_t begin, Progress& progress)
 {
-    const auto attempt = [&](bool copy) {
+    const auto attempt = [&](const std::shared_ptr<const File>& origin) {
         progress.begin("Writing points", maker.points());
-        return ChunkWriter(maker, laz, plan, file, begin, copy, progress).write();
+        return ChunkWriter(maker, laz, plan, file, begin, origin, progress).write();
     };
+    const auto origin = plan.openOrigin();
     WrittenChunks written;
     try {
-        written = attempt(plan.file != nullptr);
+        written = attempt(origin);
     } catch (const VersionsDiffer&) {
         file.resize(0);
-        written = attempt(false);
+        written = attempt(nullptr);
     }
-    if (plan.file != nullptr) plan.file->checkUnchanged();
+    if (origin != nullptr) origin->checkUnchanged();
     return written;
 }
 
@@ -168,7 +176,7 @@ std::optional<PointRange> findWrongChunk(const RecordMaker& maker, const LazInfo
             scratch.resize(2 * size);
             const auto there = std::span(scratch).first(size), origin = std::span(scratch).last(size);
             file.readAt(place.offset, there);
-            plan.file->readAt(chunk.origin->offset, origin);
+            written.origin->readAt(chunk.origin->offset, origin);
             good = std::memcmp(there.data(), origin.data(), size) == 0;
         } else {
             scratch.resize(size);

@@ -23,6 +23,7 @@ struct WrittenChunks {
     std::vector<std::byte> table;
     std::uint64_t copied = 0;
     std::uint64_t encoded = 0;
+    std::shared_ptr<const File> origin;  ///< that chunks were copied from; null: none were
     bool originVersions = false;  ///< the items have the versions of the plan's file, not LASzip's present ones
 };
 

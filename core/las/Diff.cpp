@@ -390,14 +390,17 @@ Difference diffFiles(const std::filesystem::path& a, const std::filesystem::path
 
 SavePreview previewSave(const PointCloud& cloud, const std::filesystem::path& original,
                         const std::filesystem::path& target, const WriteOptions& options, Progress& progress,
-                        const std::vector<AttributeChange>* changes)
+                        const std::vector<AttributeChange>* changes, const KnownPlan& known)
 {
     progress.begin("Comparing with the file", 0);
     storeCompatible(cloud);
     const auto reader = Reader::open(original);
     const std::shared_lock lock(cloud.mutex());
-    const auto native = nativeCloud(cloud, options.pointFormat);
-    WritePlan plan = planWrite(native ? *native : cloud, target, options, progress);
+    SavePreview preview;
+    preview.plan = known.fits(target, options)
+                       ? known.plan
+                       : std::make_shared<const WritePlan>(planWrite(cloud, target, options, progress));
+    WritePlan plan = *preview.plan;
     const SourceFile& x = *reader->source();
     const CurrentFile place = cloud.source() ? cloud.source()->current->get() : CurrentFile();
     const KeptPoints held = place.kept && place.path == original ? *place.kept : KeptPoints::all(cloud.size());
@@ -405,7 +408,6 @@ SavePreview previewSave(const PointCloud& cloud, const std::filesystem::path& or
         throw Error(original, "The file no longer holds the points that were read from it.");
     const RecordLayout layout = plannedSource(plan, cloud.coordinates()).layout;
 
-    SavePreview preview;
     Difference& d = preview.difference;
     d.pointsA = x.pointCount;
     d.pointsB = plan.maker->points();
@@ -421,7 +423,7 @@ SavePreview previewSave(const PointCloud& cloud, const std::filesystem::path& or
     }
     if (plan.compressed) {
         // As write() finds out: chunks that no edit touched stay where they are, if all before them does.
-        const bool stay = d.attributes.empty() && d.onlyA == 0 && d.onlyB == 0 && plan.chunks.file != nullptr &&
+        const bool stay = d.attributes.empty() && d.onlyA == 0 && d.onlyB == 0 && plan.chunks.copies() &&
                           plan.prefix.size() == x.header.pointOffset();
         plan.setCompression(stay, !stay);
     }

@@ -6,6 +6,7 @@
 #include "core/las/Writer.h"
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,9 @@ Difference diffFiles(const std::filesystem::path& a, const std::filesystem::path
 
 /// What saving would change.
 struct SavePreview {
-    Difference difference;           ///< A: the file; B: what write() would make of the cloud now
-    std::vector<std::string> notes;  ///< what is left out or upgraded, one sentence each
+    Difference difference;                  ///< A: the file; B: what write() would make of the cloud now
+    std::vector<std::string> notes;         ///< what is left out or upgraded, one sentence each
+    std::shared_ptr<const WritePlan> plan;  ///< by which write() can write it, as long as the cloud is the same
 };
 
 /// Whether something of A is not in B, or B has another LAS version or point format: what people want to be asked
@@ -36,10 +38,10 @@ bool dropsOrUpgrades(const Difference& difference);
 /// Compares the cloud with the file at `original`, from which it was read or to which it was saved last, as
 /// write() with the same arguments would write it. Reads the original once; no memory. Holds cloud.mutex() shared
 /// meanwhile. With `changes` (of the cloud's history) it believes these and reads no points, so that it is quick;
-/// the attributes then lack first points and values. Throws Error (the original is gone or changed, or the cloud
-/// cannot be written so) or Cancelled.
+/// the attributes then lack first points and values. `known`: a plan of before, for the same arguments. Throws
+/// Error (the original is gone or changed, or the cloud cannot be written so) or Cancelled.
 SavePreview previewSave(const PointCloud& cloud, const std::filesystem::path& original,
                         const std::filesystem::path& target, const WriteOptions& options, Progress& progress,
-                        const std::vector<AttributeChange>* changes = nullptr);
+                        const std::vector<AttributeChange>* changes = nullptr, const KnownPlan& known = {});
 
 }  // namespace punctum::las

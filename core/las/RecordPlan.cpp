@@ -92,7 +92,7 @@ void planCompression(const PlannedPoints& points, const RecordLayout& layout, co
     const bool ownSize = own && !own->variable() && own->chunkSize <= kDefaultChunkSize;
     plan.chunks = planChunks(*points.source, laz, points.kept, ownSize ? own->chunkSize : kDefaultChunkSize);
     if (!options.copyChunks) {
-        plan.chunks.file.reset();
+        plan.chunks.originPath.clear();
         plan.chunks.allOrNone = false;
     }
     laz.setChunkSize(plan.chunks.chunkSize);

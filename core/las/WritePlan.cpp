@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/las/WritePlan.h"
 
+#include "core/las/Compatible.h"
 #include "core/las/FieldPlan.h"
 #include "core/las/FormatNeeds.h"
 #include "core/las/FormatPlan.h"
@@ -51,6 +52,15 @@ void tellLosses(const PointCloud& cloud, const PlannedPoints& points, const Form
     if (hasNir(format.format) && !hasNir(from) && findColumn(cloud, "NIR") == nullptr)
         plan.note("Point format " + std::to_string(format.format) +
                   " has near infrared, which is 0 for all points.");
+}
+
+/// The point format asked for, by itself or by a version that has no form of LASzip's compatibility mode.
+std::optional<std::uint8_t> formatAsked(const PointCloud& cloud, const WriteOptions& options)
+{
+    const auto& source = cloud.source();
+    if (!options.pointFormat && source && source->layout.compatible && options.versionMinor.value_or(0) >= 5)
+        return source->layout.shownFormat();
+    return options.pointFormat;
 }
 
 }  // namespace
@@ -121,10 +131,22 @@ std::vector<std::byte> WritePlan::suffix() const
     return bytes;
 }
 
-WritePlan planWrite(const PointCloud& cloud, const std::filesystem::path& target, const WriteOptions& options,
+bool WritePlan::serves(const std::filesystem::path& path, const WriteOptions& wanted) const
+{
+    return path == target && wanted.compressed == options.compressed &&
+           wanted.versionMinor == options.versionMinor && wanted.pointFormat == options.pointFormat &&
+           wanted.copyChunks == options.copyChunks && (wanted.upgrade || !upgraded) &&
+           (wanted.lossy == options.lossy || losses.empty());
+}
+
+WritePlan planWrite(const PointCloud& given, const std::filesystem::path& target, const WriteOptions& options,
                     Progress& progress)
 {
+    const auto native = nativeCloud(given, formatAsked(given, options));
+    const PointCloud& cloud = native ? *native : given;
     WritePlan plan;
+    plan.target = target;
+    plan.options = options;
     PlannedPoints points = planPoints(cloud, target, plan.notes);
     const SourceFile& source = *points.source;
     plan.vlrs = source.vlrs;
@@ -135,6 +157,7 @@ WritePlan planWrite(const PointCloud& cloud, const std::filesystem::path& target
     plan.waveformEvlr = source.waveformEvlr;
 
     const FormatPlan format = planFormat(cloud, points, target, options, progress, plan.notes);
+    plan.upgraded = format.upgraded;
     FieldPlan fields = planFields(cloud, points, format, target, progress, plan.notes, plan.losses);
     planRecords(cloud, points, format, fields, options, target, progress, plan);
     tellLosses(cloud, points, format, target, options, progress, plan);

@@ -37,6 +37,12 @@ struct WritePlan {
     std::optional<std::size_t> waveformEvlr;
     std::vector<std::string> notes;
     std::vector<Loss> losses;  ///< rounded or left out, since the options allow it
+    std::filesystem::path target;
+    WriteOptions options;   ///< it was made for these
+    bool upgraded = false;  ///< since the options allow it
+
+    /// Whether a save with these arguments would make the same plan, as long as the cloud is the same.
+    bool serves(const std::filesystem::path& path, const WriteOptions& wanted) const;
 
     /// Makes the records on compression and its index say what was written. `originVersions`: the chunks are coded
     /// as in the file they came from. `moved`: chunks or their places differ from those of the file that was read.
@@ -62,13 +68,15 @@ struct WritePlan {
     std::vector<std::byte> suffix() const;
 };
 
-/// Decides how the cloud is written (las.md, "Writing"): the source's own bytes wherever they still hold.
+/// Decides how the cloud is written (las.md, "Writing"), a cloud in LASzip's compatibility mode in the form of the
+/// format that is asked for: the source's own bytes wherever they still hold.
 ///
 /// Header fields on the points (counts, by-return, bounds) are computed anew only when the points differ from those
 /// read (coordinates, returns, number), when the cloud was made here, or when format or version ask for other
 /// fields; creation date and software only when the record or the points change. Otherwise every byte stays.
 /// Throws Error, with counts, when the target format cannot hold the values; WriteQuestion, when the source's
-/// format cannot hold what was added or edited, and the options do not say that it may change; Cancelled.
+/// format cannot hold what was added or edited, and the options do not say that it may change; Cancelled. Hold
+/// cloud.mutex().
 WritePlan planWrite(const PointCloud& cloud, const std::filesystem::path& target, const WriteOptions& options,
                     Progress& progress);
 

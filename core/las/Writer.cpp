@@ -158,19 +158,15 @@ std::unique_ptr<AtomicFile> writeWaveforms(const SourceFile* source, const Recor
     return from.empty() ? nullptr : copyWaveforms(from, file, notes, progress);
 }
 
-/// The point format asked for, by itself or by a version that has no form of LASzip's compatibility mode.
-std::optional<std::uint8_t> formatAsked(const PointCloud& cloud, const WriteOptions& options)
-{
-    const auto& source = cloud.source();
-    if (!options.pointFormat && source && source->layout.compatible && options.versionMinor.value_or(0) >= 5)
-        return source->layout.shownFormat();
-    return options.pointFormat;
-}
-
 }  // namespace
 
+bool KnownPlan::fits(const std::filesystem::path& path, const WriteOptions& options) const
+{
+    return plan && plan->serves(path, options) && (!holds || holds());
+}
+
 StagedWrite stage(const PointCloud& cloud, const std::filesystem::path& path, const WriteOptions& options,
-                  Progress& progress)
+                  Progress& progress, const KnownPlan& known)
 {
     storeCompatible(cloud);
     const std::shared_lock lock(cloud.mutex());
@@ -180,8 +176,7 @@ StagedWrite stage(const PointCloud& cloud, const std::filesystem::path& path, co
         if (!options.replaceProtected && writeProtected(path))
             throw WriteQuestion(WriteQuestion::Kind::TargetProtected, path, "This file is write-protected.");
         const auto begun = std::chrono::steady_clock::now();
-        const auto native = nativeCloud(cloud, formatAsked(cloud, options));
-        WritePlan plan = planWrite(native ? *native : cloud, path, options, progress);
+        WritePlan plan = known.fits(path, options) ? *known.plan : planWrite(cloud, path, options, progress);
         const RecordMaker& maker = *plan.maker;
         const std::uint64_t begin = plan.prefix.size();
         const std::uint64_t plainEnd = begin + maker.points() * maker.layout().length;
@@ -234,9 +229,9 @@ StagedWrite stage(const PointCloud& cloud, const std::filesystem::path& path, co
 }
 
 WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, const WriteOptions& options,
-                  Progress& progress)
+                  Progress& progress, const KnownPlan& known)
 {
-    return stage(cloud, path, options, progress).commit();
+    return stage(cloud, path, options, progress, known).commit();
 }
 
 }  // namespace punctum::las

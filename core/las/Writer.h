@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -71,6 +72,20 @@ struct WriteReport {
 /// LAZ when the path ends in .laz (any case), else LAS.
 bool isCompressedName(const std::filesystem::path& path);
 
+struct WritePlan;  // WritePlan.h
+
+/// How a cloud would be written, found out by a look ahead (previewSave()), so that the save after it need not do
+/// so again.
+struct KnownPlan {
+    std::shared_ptr<const WritePlan> plan{};  ///< null: there is none
+    /// Whether the cloud is still the one that the plan was made for; asked when it can no longer change, since
+    /// cloud.mutex() is held. Empty: it is.
+    std::function<bool()> holds{};
+
+    /// Whether a save with these arguments may go by it.
+    bool fits(const std::filesystem::path& path, const WriteOptions& options) const;
+};
+
 /// A file that is written, synced and verified under a temporary name beside its target, and waits for its name.
 /// Destroyed without commit(), it leaves nothing behind and an existing target untouched. Move-only; needs neither
 /// the cloud nor an open file any more, so that any number may wait. One thread at a time.
@@ -98,17 +113,17 @@ private:
     std::unique_ptr<State> m_state;
 };
 
-/// The first step of write(): all but giving the file its name.
+/// The first step of write(): all but giving the file its name. By the plan that is known, where it fits.
 /// Header, VLRs, gaps and EVLRs come from cloud.source() unchanged unless they must differ.
 /// Attributes added after loading become extra bytes. Holds cloud.mutex() shared meanwhile.
 /// Throws Error (nothing is left behind, an existing target is untouched), WriteQuestion or Cancelled (likewise).
 StagedWrite stage(const PointCloud& cloud, const std::filesystem::path& path, const WriteOptions& options,
-                  Progress& progress);
+                  Progress& progress, const KnownPlan& known = {});
 
 /// Writes the cloud, whole or not at all: a temporary file beside the target is written, synced, verified, then
 /// renamed over it: stage() and commit(), and throws what they throw.
 /// A side-car index (.lax) of the file that is replaced is renamed to .lax.old, since LAStools would go by it.
 WriteReport write(const PointCloud& cloud, const std::filesystem::path& path, const WriteOptions& options,
-                  Progress& progress);
+                  Progress& progress, const KnownPlan& known = {});
 
 }  // namespace punctum::las

@@ -78,6 +78,7 @@ Forecast Session::foreseeParts(std::span<const std::size_t> which, std::span<con
     Forecast forecast;
     forecast.edits = edits();
     const std::vector<SessionPart> files = parts();
+    forecast.plans.resize(files.size());
     const Progress::Whole whole(progress, "Comparing with the files", m_cloud->size());
     const std::shared_lock lock(m_cloud->mutex());
     runLocked(lock, [&] {
@@ -88,6 +89,7 @@ Forecast Session::foreseeParts(std::span<const std::size_t> which, std::span<con
             options.compressed = las::isCompressedName(targets[k]);
             const auto cloud = m_survey->partCloud(k, progress);
             las::SavePreview one = las::previewSave(*cloud, files[k].path, targets[k], options, progress);
+            forecast.plans[k] = std::move(one.plan);
             addDifference(one.difference, forecast.preview.difference);
             for (std::string& note : one.notes)
                 forecast.preview.notes.push_back(files[k].path.filename().string() + ": " + std::move(note));
@@ -128,7 +130,12 @@ SaveOutcome Session::saveParts(SaveRequest request, Progress& progress)
                 progress.check();
                 las::WriteOptions options = request.options;
                 options.compressed = las::isCompressedName(targets[k]);
-                staged.push_back(las::stage(*m_survey->partCloud(k, progress), targets[k], options, progress));
+                const auto& forecast = request.forecast;
+                const las::KnownPlan plan = forecast && k < forecast->plans.size()
+                                                ? known(forecast->plans[k], forecast->edits)
+                                                : las::KnownPlan();
+                staged.push_back(
+                    las::stage(*m_survey->partCloud(k, progress), targets[k], options, progress, plan));
             }
         });
     }

@@ -171,13 +171,13 @@ void Session::redo(Progress& progress)
 std::uint64_t Session::edits() const
 {
     const std::lock_guard gate(m_gate);
-    return m_edits;
+    return m_edits.load();
 }
 
 std::optional<std::uint64_t> Session::editsInFile() const
 {
     const std::lock_guard gate(m_gate);
-    return m_history->modified() ? std::nullopt : std::optional(m_edits);
+    return m_history->modified() ? std::nullopt : std::optional(m_edits.load());
 }
 
 void Session::warn(const std::string& sentence)
@@ -313,17 +313,40 @@ Forecast Session::foresee(const fs::path& target, Progress& progress) const
     }
     Forecast forecast;
     forecast.edits = edits();
-    forecast.preview = las::previewSave(*m_cloud, path(), target, lookAhead(target), progress);
+    forecast.preview = las::previewSave(*m_cloud, path(), target, lookAhead(target), progress, nullptr, keptPlan());
+    keepPlan(forecast.preview, forecast.edits);
     return forecast;
+}
+
+/// A plan of when there had been so many edits holds as long as there are no more: each is counted before it
+/// changes anything.
+las::KnownPlan Session::known(std::shared_ptr<const las::WritePlan> plan, std::uint64_t edits) const
+{
+    return {std::move(plan), [this, edits] { return m_edits == edits; }};
+}
+
+las::KnownPlan Session::keptPlan() const
+{
+    const std::lock_guard lock(m_mutex);
+    return known(m_plan, m_planEdits);
+}
+
+void Session::keepPlan(const las::SavePreview& preview, std::uint64_t edits) const
+{
+    const std::lock_guard lock(m_mutex);
+    m_plan = preview.plan;
+    m_planEdits = edits;
 }
 
 std::string Session::unsavedChanges(Progress& progress) const
 {
+    const std::uint64_t now = edits();
     const auto changes = m_history->changes(progress);
     if (many()) return unsavedInSurvey(changes, changedParts(progress));
     const fs::path original = path();
     const las::SavePreview preview = las::previewSave(*m_cloud, original, original, lookAhead(original), progress,
-                                                      changes ? &*changes : nullptr);
+                                                      changes ? &*changes : nullptr, keptPlan());
+    keepPlan(preview, now);
     return las::summary(preview.difference);
 }
 
@@ -342,7 +365,8 @@ SaveOutcome Session::save(SaveRequest request, Progress& progress)
     }
     SaveOutcome outcome;
     request.options.compressed = las::isCompressedName(request.target);
-    outcome.report = las::write(*m_cloud, request.target, request.options, progress);
+    outcome.report = las::write(*m_cloud, request.target, request.options, progress,
+                                forecast ? known(forecast->preview.plan, forecast->edits) : keptPlan());
     const std::lock_guard gate(m_gate);
     outcome.disturbed = m_edits != before;
     if (outcome.disturbed)
@@ -355,6 +379,7 @@ SaveOutcome Session::save(SaveRequest request, Progress& progress)
     if (outcome.compared) outcome.preview = std::move(forecast->preview);
     const std::lock_guard lock(m_mutex);
     m_path = request.target;
+    m_plan.reset();
     return outcome;
 }
 

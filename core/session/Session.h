@@ -26,6 +26,8 @@ namespace punctum
 struct Forecast {
     las::SavePreview preview;
     std::uint64_t edits = 0;
+    /// Of a survey, by its parts: how each would be written; null where it would not. The save goes by them.
+    std::vector<std::shared_ptr<const las::WritePlan>> plans{};
 };
 
 /// How to save.
@@ -175,6 +177,9 @@ private:
     SaveOutcome saveParts(SaveRequest request, Progress& progress);
     Forecast foreseeParts(std::span<const std::size_t> parts, std::span<const std::filesystem::path> targets,
                           Progress& progress) const;
+    las::KnownPlan known(std::shared_ptr<const las::WritePlan> plan, std::uint64_t edits) const;
+    las::KnownPlan keptPlan() const;
+    void keepPlan(const las::SavePreview& preview, std::uint64_t edits) const;
     CloudKey fileKey(Progress& progress) const;
     std::shared_ptr<const KeptPoints> keptPoints() const;
     std::filesystem::path journalPath(const CloudKey& key) const;
@@ -192,10 +197,13 @@ private:
     std::vector<bool> m_damagedParts;  ///< complete once the points are read
     /// Held while the history moves, and while "saved" is noted down: a save never marks an edit that it missed.
     mutable std::mutex m_gate;
-    std::uint64_t m_edits = 0;     ///< guarded by m_gate
-    bool m_unnotedTold = false;    ///< that edits are not noted down; guarded by m_gate
-    mutable std::mutex m_mutex;    ///< guards what follows
-    std::filesystem::path m_path;  ///< path()
+    std::atomic<std::uint64_t> m_edits = 0;  ///< counted with m_gate held, before anything changes
+    bool m_unnotedTold = false;              ///< that edits are not noted down; guarded by m_gate
+    mutable std::mutex m_mutex;              ///< guards what follows
+    std::filesystem::path m_path;            ///< path()
+    /// How path() would be written, found out when it was last looked at, and after how many edits.
+    mutable std::shared_ptr<const las::WritePlan> m_plan;
+    mutable std::uint64_t m_planEdits = 0;
     std::vector<std::string> m_warnings;
 };
 

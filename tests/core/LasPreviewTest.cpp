@@ -24,6 +24,9 @@ class LasPreviewTest : public QObject
 private slots:
     void previewTellsWhatSavingDoes_data();
     void previewTellsWhatSavingDoes();
+    void aPlanServesTheSaveAfter_data();
+    void aPlanServesTheSaveAfter();
+    void aPlanServesNoOtherSave();
     void summaries();
 
 private:
@@ -107,6 +110,77 @@ void LasPreviewTest::previewTellsWhatSavingDoes()
     make("other.las", lasfiles::file(lasfiles::header(2, 3, 34, 10), {}, lasfiles::randomRecords(3, 34, 10, 1)));
     QVERIFY_THROWS_EXCEPTION(
         Error, las::previewSave(*cloud, original.parent_path() / "other.las", out, options, progress));
+}
+
+void LasPreviewTest::aPlanServesTheSaveAfter_data()
+{
+    QTest::addColumn<QString>("target");
+    QTest::newRow("LAS") << "out.las";
+    QTest::newRow("LAZ") << "out.laz";
+}
+
+void LasPreviewTest::aPlanServesTheSaveAfter()
+{
+    QFETCH(QString, target);
+    const fs::path original =
+        make("plan.laz", lasfiles::lazFile(3, 34, lasfiles::randomRecords(3, 34, 3000, 4), 500));
+    Progress progress;
+    const auto cloud = las::load(original, progress);
+    cloud->findAttribute("UserData")->columns[0]->values<std::uint8_t>()[1700] ^= 1;
+    const fs::path out = original.parent_path() / target.toStdString();
+    las::WriteOptions options;
+    options.compressed = las::isCompressedName(out);
+    int asked = 0;
+    const las::SavePreview preview = las::previewSave(*cloud, original, out, options, progress);
+    const las::KnownPlan known{preview.plan, [&] { return ++asked != 0; }};
+    const las::WriteReport report = las::write(*cloud, out, options, progress, known);
+    QCOMPARE(asked, 1);
+    const Bytes written = lasfiles::readFile(out);
+    if (options.compressed) QCOMPARE(report.chunksCopied, std::uint64_t(5));
+    const auto again = las::load(original, progress);
+    again->findAttribute("UserData")->columns[0]->values<std::uint8_t>()[1700] ^= 1;
+    const fs::path other = original.parent_path() / ("other" + out.extension().string());
+    const las::WriteReport plain = las::write(*again, other, options, progress);
+    QVERIFY(lasfiles::readFile(other) == written && plain.notes == report.notes);
+    // it serves another look ahead, too, and is made anew where it does not hold
+    QVERIFY(las::previewSave(*cloud, out, out, options, progress, nullptr, known).plan == preview.plan);
+    const las::KnownPlan old{preview.plan, [] { return false; }};
+    const las::SavePreview later = las::previewSave(*cloud, out, out, options, progress, nullptr, old);
+    QVERIFY(later.plan && later.plan != preview.plan);
+    // what it says is written, whatever the cloud became: whoever gives it promises that it holds
+    auto deleted = std::make_shared<PointSet>(cloud->size());
+    deleted->insert(PointRange{0, 10});
+    cloud->setDeleted(deleted);
+    QCOMPARE(las::write(*cloud, out, options, progress, {preview.plan, {}}).points, PointIndex(3000));
+    QCOMPARE(las::write(*cloud, out, options, progress, old).points, PointIndex(2990));
+}
+
+void LasPreviewTest::aPlanServesNoOtherSave()
+{
+    const fs::path original = make(
+        "wide.las", lasfiles::file(lasfiles::header(2, 1, 28, 100), {}, lasfiles::randomRecords(1, 28, 100, 4)));
+    Progress progress;
+    const auto cloud = las::load(original, progress);
+    for (const char* name : {"Red", "Green", "Blue"}) {
+        Attribute a;
+        a.name = name;
+        a.columns[0] = std::make_shared<Column>(name, ScalarType::U16, cloud->size());
+        cloud->addColumn(a.columns[0]);
+        cloud->addAttribute(a);
+    }
+    const fs::path out = original.parent_path() / "wide2.las";
+    las::WriteOptions look, options;
+    look.upgrade = true;
+    const las::KnownPlan known{las::previewSave(*cloud, original, out, look, progress).plan, {}};
+    // the look ahead shows an upgrade; the save asks for it
+    QVERIFY_THROWS_EXCEPTION(las::WriteQuestion, las::write(*cloud, out, options, progress, known));
+    options.upgrade = true;
+    QVERIFY(known.fits(out, options));
+    QVERIFY(!known.fits(original, options));
+    options.pointFormat = 7;
+    QVERIFY(!known.fits(out, options));
+    las::write(*cloud, out, options, progress, known);
+    QCOMPARE(int(las::load(out, progress)->source()->layout.format), 7);
 }
 
 void LasPreviewTest::summaries()

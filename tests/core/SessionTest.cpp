@@ -41,6 +41,25 @@ private slots:
                                                    lasfiles::randomRecords(1, length, kPoints, 4)));
     }
 
+    /// What a save makes goes by what was seen before, as long as nobody edited since.
+    void aSaveGoesByItsForecast()
+    {
+        const auto session = opened();
+        session->edit(setClass(5), m_progress);
+        const Forecast forecast = session->foresee(m_path, m_progress);
+        QVERIFY(forecast.preview.plan);
+        session->unsavedChanges(m_progress);
+        QVERIFY(session->foresee(m_path, m_progress).preview.plan == forecast.preview.plan);
+        session->edit({"delete", {{"where", "UserData > 100"}}, nullptr}, m_progress);
+        QVERIFY(session->foresee(m_path, m_progress).preview.plan != forecast.preview.plan);
+        session->undo(m_progress);
+        SaveRequest request{.target = m_path};
+        request.forecast = forecast;
+        const SaveOutcome outcome = session->save(std::move(request), m_progress);
+        QCOMPARE(outcome.report.points, PointIndex(kPoints));
+        QVERIFY(outcome.compared);
+    }
+
     void editsAreUndoneAndSaved()
     {
         const auto session = opened();
