@@ -5,6 +5,7 @@
 #include "core/las/Diff.h"
 #include "core/las/Reader.h"
 #include "core/process/KdOrder.h"
+#include "core/select/Selecting.h"
 #include "core/session/KeptJournals.h"
 #include "core/session/Session.h"
 #include "core/session/SurveyFiles.h"
@@ -209,6 +210,77 @@ private slots:
         cancelled.cancel();
         QVERIFY_EXCEPTION_THROWN(KdOrder::of(*session->cloud(), cancelled), Cancelled);
         QCOMPARE(KdOrder::of(*session->cloud(), m_progress)->size(), order->size());
+    }
+
+    /// A polygon over four tiles: as many points as by looking at each file alone, one undo, and the files that are
+    /// saved differ in just those.
+    void aPolygonOverFourTiles()
+    {
+        std::vector<fs::path> tiles;
+        for (const char* name : {"bcts_1.laz", "bcts_2.laz"}) {
+            const fs::path original = fs::path(PUNCTUM_TEST_DATA) / name;
+            if (!fs::exists(original)) QSKIP("The test data is missing.");
+            lasfiles::Bytes bytes = lasfiles::readFile(original);
+            tiles.push_back(place(name));
+            lasfiles::writeFile(tiles.back(), bytes);
+            // a neighbor to the north: the same points, and offset and box of the header moved by a tile
+            const double height = std::ceil(lasfiles::get<double>(bytes, 195) - lasfiles::get<double>(bytes, 203));
+            for (const std::size_t at : {163, 195, 203})
+                lasfiles::set(bytes, at, lasfiles::get<double>(bytes, at) - height);
+            tiles.push_back(place(std::string("south_of_") + name));
+            lasfiles::writeFile(tiles.back(), bytes);
+        }
+        const auto session = opened(tiles);
+        const PointCloud& cloud = *session->cloud();
+        QCOMPARE(session->survey().warnings().size(), std::size_t(0));
+        const WorldBounds bounds = cloud.coordinates().toWorld(cloud.computeBounds());
+        const double px = std::max(bounds.max.x - bounds.min.x, bounds.max.y - bounds.min.y) / 1000.0;
+        Region region;
+        region.mask = ScreenMask(1000, 1000);
+        const std::vector<glm::dvec2> corners{{180, 150}, {820, 260}, {700, 500},
+                                              {790, 900}, {400, 600}, {210, 850}};
+        region.mask.addPolygon(corners);
+        const CoordinateScale& grid = cloud.coordinates();
+        region.projection.perspective = false;
+        region.projection.rowX = {grid.scale.x / px, 0, 0, (grid.offset.x - bounds.min.x) / px};
+        region.projection.rowY = {0, -grid.scale.y / px, 0, (bounds.max.y - grid.offset.y) / px};
+        region.projection.rowD = {0, 0, 0, 1};
+        const auto selected = std::make_shared<PointSet>(pointsIn(region, cloud, {}, m_progress));
+
+        std::vector<std::uint64_t> expected, changed;
+        for (const SessionPart& part : session->parts()) {
+            const auto alone = las::load(part.path, m_progress);
+            const Attribute* const classes = alone->findAttribute("Classification");
+            std::uint64_t inside = 0, others = 0;
+            for (PointIndex i = 0; i < alone->size(); ++i) {
+                const glm::dvec3 p = alone->world(i);
+                const bool in = region.mask.contains(int(std::floor((p.x - bounds.min.x) / px)),
+                                                     int(std::floor((bounds.max.y - p.y) / px)));
+                inside += in ? 1 : 0;
+                others += in && classes->number(i) != 17 ? 1 : 0;
+                QCOMPARE(selected->contains(part.points.first + i), in);
+            }
+            QVERIFY(inside > 1000);
+            expected.push_back(inside);
+            changed.push_back(others);
+        }
+        QCOMPARE(selected->count(), expected[0] + expected[1] + expected[2] + expected[3]);
+        const EditOutcome edit = session->edit(rule("Classification = 17", selected), m_progress);
+        QCOMPARE(edit.changed, changed[0] + changed[1] + changed[2] + changed[3]);
+        QCOMPARE(session->history().position(), std::size_t(1));
+        session->undo(m_progress);
+        QVERIFY(!session->history().modified());
+        session->redo(m_progress);
+        fs::create_directory(place("before"));
+        for (const fs::path& tile : tiles) fs::copy_file(tile, place("before") / tile.filename());
+        session->save({}, m_progress);
+        for (std::size_t k = 0; k < session->parts().size(); ++k) {
+            const fs::path file = session->parts()[k].path;
+            const las::Difference d = las::diffFiles(place("before") / file.filename(), file, {}, m_progress);
+            QCOMPARE(d.differing, changed[k]);
+            QCOMPARE(d.attributes.size(), std::size_t(1));
+            QCOMPARE(d.attributes[0].name, std::string("Classification"));
+        }
     }
 
     void savingSomeLeavesTheOthersUnsaved()
