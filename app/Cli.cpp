@@ -25,6 +25,7 @@ void describe(CLI::App& root, Action& action)
     root.name("punctum");
     root.description(
         "Punctum opens laser scans (LAS, LAZ): with files, or nothing, it opens the window.\n"
+        "Several files, a folder or a virtual point cloud (.vpc) are one survey.\n"
         "The commands below need no display. A file with the name of a command is written ./info.");
     root.set_help_flag("-h,--help", "Show this help");
     root.set_version_flag("--version", kVersion, "Show the version");

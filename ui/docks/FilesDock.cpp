@@ -8,6 +8,7 @@
 #include "ui/style/Widgets.h"
 
 #include <QClipboard>
+#include <QCollator>
 #include <QGuiApplication>
 #include <QHBoxLayout>
 #include <QHeaderView>
@@ -28,8 +29,33 @@ namespace punctum::ui
 namespace
 {
 
-constexpr int kSearchFrom = 12;  // files: fewer are seen at once
-constexpr int kRowHeight = 26, kCrsWidth = 110;
+constexpr int kSearchFrom = 12;                  // files: fewer are seen at once
+constexpr int kRowHeight = 26, kCrsWidth = 110;  // px
+constexpr int kLeastWithExtents = 330;           // px
+
+constexpr int kAroundRows = 180;       // px
+constexpr std::size_t kMostRows = 20;  // that it asks room for
+
+/// By what the columns hold; numbers in names are numbers, so that tile 10 comes after tile 9.
+class FileOrder final : public QSortFilterProxyModel
+{
+public:
+    explicit FileOrder(QObject* parent) : QSortFilterProxyModel(parent)
+    {
+        m_names.setNumericMode(true);
+        m_names.setCaseSensitivity(Qt::CaseInsensitive);
+    }
+
+protected:
+    bool lessThan(const QModelIndex& left, const QModelIndex& right) const override
+    {
+        if (left.column() != FilesModel::Name) return QSortFilterProxyModel::lessThan(left, right);
+        return m_names.compare(left.data(sortRole()).toString(), right.data(sortRole()).toString()) < 0;
+    }
+
+private:
+    QCollator m_names;
+};
 
 }  // namespace
 
@@ -37,7 +63,7 @@ FilesDock::FilesDock(Workspace& workspace, QWidget* parent)
     : QDockWidget(tr("Files"), parent),
       m_workspace(workspace),
       m_model(new FilesModel(this)),
-      m_sorted(new QSortFilterProxyModel(this)),
+      m_sorted(new FileOrder(this)),
       m_view(new QTableView),
       m_hint(new QLabel),
       m_search(new QLineEdit),
@@ -50,13 +76,13 @@ FilesDock::FilesDock(Workspace& workspace, QWidget* parent)
     setObjectName(QStringLiteral("files"));
     m_sorted->setSourceModel(m_model);
     m_sorted->setSortRole(FilesModel::SortRole);
-    m_sorted->setSortCaseSensitivity(Qt::CaseInsensitive);
     m_sorted->setFilterCaseSensitivity(Qt::CaseInsensitive);
     m_sorted->setFilterKeyColumn(FilesModel::Name);
     m_sorted->setDynamicSortFilter(false);  // a row stays where it is while its file changes
     m_view->setModel(m_sorted);
     m_view->setShowGrid(false);
     m_view->setWordWrap(false);
+    m_view->setTextElideMode(Qt::ElideMiddle);  // tiles differ at the end of their names
     m_view->setSortingEnabled(true);
     m_view->setSelectionBehavior(QAbstractItemView::SelectRows);
     m_view->setSelectionMode(QAbstractItemView::ExtendedSelection);
@@ -134,6 +160,13 @@ FilesDock::FilesDock(Workspace& workspace, QWidget* parent)
     updateSummary();
 }
 
+void FilesDock::resizeEvent(QResizeEvent* event)
+{
+    QDockWidget::resizeEvent(event);
+    // The names have what is left: in a narrow panel the extents are in the tips alone.
+    m_view->setColumnHidden(FilesModel::Size, width() < kLeastWithExtents);
+}
+
 void FilesDock::setDocument(Document* document)
 {
     m_document = document;
@@ -144,6 +177,11 @@ void FilesDock::setDocument(Document* document)
     m_search->setVisible(m_model->rowCount() >= kSearchFrom);
     m_view->setColumnHidden(FilesModel::Crs, !m_model->severalCrs());
     updateSummary();
+}
+
+int FilesDock::heightFor(std::size_t rows) const
+{
+    return kAroundRows + kRowHeight * int(std::min<std::size_t>(rows, kMostRows));
 }
 
 QString FilesDock::summary() const

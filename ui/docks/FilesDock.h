@@ -41,10 +41,15 @@ public:
     QPushButton& saveButton() noexcept { return *m_save; }
     QPushButton& removeButton() noexcept { return *m_remove; }
     QString summary() const;
+    /// px, with which so many rows are seen.
+    int heightFor(std::size_t rows) const;
     /// Places in Document::parts() of the chosen rows, rising.
     std::vector<std::size_t> chosen() const;
     /// What a right click brings, about the chosen rows; the caller owns it.
     QMenu* makeMenu();
+
+protected:
+    void resizeEvent(QResizeEvent* event) override;
 
 signals:
     void zoomWanted(const punctum::WorldBounds& bounds);

@@ -302,7 +302,7 @@ void MainWindow::openFiles(const QStringList& files)
 void MainWindow::documentAdded(Document* document)
 {
     m_renderer->addCloud(document->store());
-    if (document->many() && !m_files->isHidden()) m_files->raise();
+    if (document->many()) m_panels->bring(*m_files, m_files->heightFor(document->parts().size()));
     m_titleTimer.start();
 }
 

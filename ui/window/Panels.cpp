@@ -21,6 +21,7 @@ namespace
 constexpr double kLeftShare = 0.235, kRightShare = 0.21;
 constexpr int kMostLeft = 350, kMostRight = 310;
 constexpr int kLeastView = 560;                                   // px, as long as the panels can do with less
+constexpr double kBroughtShare = 0.45;                            // of the window's height, at most
 constexpr double kAttributesShare = 0.7, kProcessingShare = 0.8;  // of the window's height
 
 }  // namespace
@@ -98,6 +99,14 @@ void Panels::arrange()
     };
     split(m_left.front(), m_left.back(), kAttributesShare);
     split(m_right.front().front(), m_right.back().front(), kProcessingShare);
+}
+
+void Panels::bring(QDockWidget& dock, int height)
+{
+    if (dock.isHidden()) return;
+    dock.raise();
+    const int wanted = std::min(height, int(m_window.height() * kBroughtShare));
+    if (!dock.isFloating() && dock.height() < wanted) m_window.resizeDocks({&dock}, {wanted}, Qt::Vertical);
 }
 
 bool Panels::shown() const

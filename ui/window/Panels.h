@@ -27,6 +27,9 @@ public:
     void addRight(const QList<QDockWidget*>& docks);
     /// Widths and heights as they suit the window's size; for a window that nobody has arranged.
     void arrange();
+    /// Brings a panel to the front and, where it stands lower, makes it as high as its rows need, up to a part of
+    /// the window. One that was closed stays closed.
+    void bring(QDockWidget& dock, int height);
     bool eventFilter(QObject* watched, QEvent* event) override;
 
     /// Whether one can be seen.
