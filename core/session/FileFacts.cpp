@@ -3,6 +3,7 @@
 
 #include "core/Text.h"
 #include "core/cloud/PointCloud.h"
+#include "core/las/CrsChange.h"
 #include "core/las/Doctor.h"
 #include "core/las/HeaderWords.h"
 #include "core/las/Repair.h"
@@ -53,6 +54,11 @@ FileFacts factsOf(const las::SourceFile& source)
         if (std::find(source.losses.begin(), source.losses.end(), warning) == source.losses.end())
             facts.warnings.push_back(warning);
     return facts;
+}
+
+std::string crsNameOf(const las::SourceFile& source)
+{
+    return source.crs.empty() ? std::string() : las::crsName(source.crs);
 }
 
 bool Inspection::repairable() const

@@ -50,6 +50,8 @@ struct FileFacts {
 };
 
 FileFacts factsOf(const las::SourceFile& source);
+/// A name of its coordinate system in a few words, "RGF93 v1 / Lambert-93"; empty when none is stated.
+std::string crsNameOf(const las::SourceFile& source);
 
 /// Something that is wrong with a file.
 struct FileFault {

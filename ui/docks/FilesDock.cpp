@@ -163,8 +163,16 @@ FilesDock::FilesDock(Workspace& workspace, QWidget* parent)
 void FilesDock::resizeEvent(QResizeEvent* event)
 {
     QDockWidget::resizeEvent(event);
-    // The names have what is left: in a narrow panel the extents are in the tips alone.
-    m_view->setColumnHidden(FilesModel::Size, width() < kLeastWithExtents);
+    updateColumns();
+}
+
+/// The names have what is left: what a narrow panel has no room for is in the tips.
+void FilesDock::updateColumns()
+{
+    const bool narrow = width() < kLeastWithExtents, crs = m_model->severalCrs();
+    m_view->setColumnHidden(FilesModel::Size, narrow);
+    m_view->setColumnHidden(FilesModel::Crs, !crs);
+    m_view->setColumnHidden(FilesModel::Points, narrow && crs);
 }
 
 void FilesDock::setDocument(Document* document)
@@ -175,7 +183,6 @@ void FilesDock::setDocument(Document* document)
     m_sorted->sort(m_view->horizontalHeader()->sortIndicatorSection(),
                    m_view->horizontalHeader()->sortIndicatorOrder());
     m_search->setVisible(m_model->rowCount() >= kSearchFrom);
-    m_view->setColumnHidden(FilesModel::Crs, !m_model->severalCrs());
     updateSummary();
 }
 
@@ -206,6 +213,7 @@ void FilesDock::updateSummary()
     }
     m_hint->setText(words.join(QStringLiteral(", ")));
     updateButtons();
+    updateColumns();
 }
 
 std::vector<std::size_t> FilesDock::chosen() const

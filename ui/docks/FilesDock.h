@@ -59,6 +59,7 @@ signals:
 private:
     void updateSummary();
     void updateButtons();
+    void updateColumns();
     void zoom();
     void saveChosen();
     void setShown(bool shown);

@@ -67,7 +67,7 @@ QString FilesModel::tip(const Document::Part& part) const
 {
     QStringList lines{part.path, pointsText(part.points.size())};
     if (const QString extent = extentText(part); !extent.isEmpty()) lines << extent;
-    lines << (part.crs.isEmpty() ? tr("Coordinate system not stated") : part.crs);
+    if (part.crs) lines << (part.crs->isEmpty() ? tr("Coordinate system not stated") : *part.crs);
     if (part.moved)
         lines << tr("Shown where the coordinate system of the other files puts it; the file keeps its own");
     if (part.damaged) lines << tr("Damaged: it may be saved under another name only");
@@ -108,7 +108,7 @@ QVariant FilesModel::data(const QModelIndex& index, int role) const
                 case Size:
                     return extentText(part);
                 default:
-                    return part.crs.isEmpty() ? tr("not stated") : part.crs;
+                    return !part.crs ? QString() : part.crs->isEmpty() ? tr("not stated") : *part.crs;
             }
         case SortRole:
             switch (index.column()) {
@@ -120,7 +120,7 @@ QVariant FilesModel::data(const QModelIndex& index, int role) const
                     return size.x * size.y;
                 }
                 default:
-                    return index.column() == Name ? part.name : part.crs;
+                    return index.column() == Name ? part.name : part.crs.value_or(QString());
             }
         case Qt::TextAlignmentRole:
             if (index.column() == Points || index.column() == Size) return int(Qt::AlignRight | Qt::AlignVCenter);

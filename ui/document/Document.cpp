@@ -54,8 +54,7 @@ const History& Document::history() const noexcept
 QString Document::fileName() const
 {
     if (!m_many) return QFileInfo(m_path).fileName();
-    const bool named = !m_origin.isEmpty() && !m_origin.contains(QLatin1Char('\n'));
-    return named ? QFileInfo(m_origin).fileName() : tr("%1 files").arg(countText(m_parts.size()));
+    return named() ? QFileInfo(m_origin).fileName() : tr("%1 files").arg(countText(m_parts.size()));
 }
 
 void Document::setOrigin(const QString& origin)
@@ -75,7 +74,6 @@ void Document::takeParts()
         Part& part = m_parts[k];
         part.path = toQString(files[k].path);
         part.name = toQString(files[k].path.filename());
-        part.crs = toQString(files[k].source->crs);
         part.points = files[k].points;
         part.moved = opened[k].moved;
         part.damaged = files[k].damaged;
@@ -111,10 +109,12 @@ void Document::showAllParts()
     setShown(all, true);
 }
 
-void Document::setPartBounds(const std::vector<WorldBounds>& bounds)
+void Document::setPartFacts(const std::vector<PartFacts>& facts)
 {
-    for (std::size_t k = 0; k < std::min(bounds.size(), m_parts.size()); ++k)
-        if (!bounds[k].empty()) m_parts[k].bounds = bounds[k];
+    for (std::size_t k = 0; k < std::min(facts.size(), m_parts.size()); ++k) {
+        if (!facts[k].bounds.empty()) m_parts[k].bounds = facts[k].bounds;
+        m_parts[k].crs = facts[k].crs;
+    }
     emit partsChanged();
 }
 

@@ -55,7 +55,7 @@ public:
     /// One of the files of the document, which has one, or, as a survey, several.
     struct Part {
         QString path, name;
-        QString crs;  ///< empty: not stated
+        std::optional<QString> crs;  ///< name of its coordinate system, once known; empty: none is stated
         PointRange points;
         WorldBounds bounds;  ///< empty while not known
         bool damaged = false;
@@ -149,7 +149,14 @@ public:
     void setDeleted(std::shared_ptr<const PointSet> points, PointIndex count);
     void setClassCounts(const std::array<std::uint64_t, 256>& counts);
     void setSavedAs(const std::filesystem::path& path, LastSave save);
-    void setPartBounds(const std::vector<WorldBounds>& bounds);
+    /// What a look at the points and systems of the parts told; empty bounds: nothing new.
+    struct PartFacts {
+        WorldBounds bounds;
+        QString crs;
+    };
+    void setPartFacts(const std::vector<PartFacts>& facts);
+    /// Whether the user knows it by a name: not a survey of files that were named one by one.
+    bool named() const { return !m_many || (!m_origin.isEmpty() && !m_origin.contains(QLatin1Char('\n'))); }
     /// Nothing: it is not known; then none is called changed.
     void setChangedParts(const std::vector<bool>& changed);
     void setUnsavedChanges(const QString& changes);

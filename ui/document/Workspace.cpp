@@ -4,6 +4,7 @@
 #include "core/cloud/BlockBoxes.h"
 #include "core/edit/History.h"
 #include "core/measure/Spacing.h"
+#include "core/session/FileFacts.h"
 #include "core/task/Progress.h"
 #include "render/store/PointStore.h"
 #include "ui/basic/Text.h"
@@ -159,29 +160,31 @@ void Workspace::finishLoading(Document& document, const las::ReadResult& result)
 {
     document.setLoaded(result);
     emit documentLoaded(&document);
-    if (document.many()) findPartBounds(document);
+    lookAtParts(document);
     analyze(document, {});
     m_recovery->look(document);
 }
 
-void Workspace::findPartBounds(Document& document)
+void Workspace::lookAtParts(Document& document)
 {
-    std::vector<PointRange> ranges;
-    for (const Document::Part& part : document.parts())
-        ranges.push_back(part.damaged ? PointRange{} : part.points);  // what could not be read is nowhere
-    const auto bounds = std::make_shared<std::vector<WorldBounds>>();
+    const auto facts = std::make_shared<std::vector<Document::PartFacts>>();
     tie(document, startJob(
-                      tr("Extents of the files of %1").arg(document.name()),
-                      [cloud = document.cloud(), ranges = std::move(ranges), bounds](Progress& progress) {
-                          for (const PointRange& range : ranges) {
+                      tr("Look at the files of %1").arg(document.name()),
+                      [session = document.session(), facts](Progress& progress) {
+                          std::map<std::string, QString> names;  // PROJ takes its time: once for each system
+                          const PointCloud& cloud = *session->cloud();
+                          for (const SessionPart& part : session->parts()) {
                               progress.check();
-                              bounds->push_back(range.empty()
-                                                    ? WorldBounds()
-                                                    : cloud->coordinates().toWorld(boundsOf(*cloud, range)));
+                              const auto [name, isNew] = names.emplace(part.source->crs, QString());
+                              if (isNew) name->second = toQString(crsNameOf(*part.source));
+                              facts->push_back({{}, name->second});
+                              // What could not be read is nowhere.
+                              if (!part.damaged && !part.points.empty())
+                                  facts->back().bounds = cloud.coordinates().toWorld(boundsOf(cloud, part.points));
                           }
                       },
-                      [target = QPointer<Document>(&document), bounds](const JobInfo& info) {
-                          if (target && info.state == JobState::Finished) target->setPartBounds(*bounds);
+                      [target = QPointer<Document>(&document), facts](const JobInfo& info) {
+                          if (target && info.state == JobState::Finished) target->setPartFacts(*facts);
                       },
                       true));
 }

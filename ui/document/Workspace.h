@@ -137,7 +137,7 @@ private:
     /// A document of it, which fills from now on.
     Document& take(std::shared_ptr<Session> session, std::shared_ptr<render::PointStore> store);
     void finishLoading(Document& document, const las::ReadResult& result);
-    void findPartBounds(Document& document);
+    void lookAtParts(Document& document);
     void dropUnread(Document& document);
     const HistoryRoom& room() const noexcept { return m_room; }
     void distinguish();

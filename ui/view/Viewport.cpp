@@ -438,7 +438,8 @@ void Viewport::updateTitle()
             detail =
                 tr("%1 of %2")
                     .arg(countText(PointIndex(m_document->loadedShare() * double(m_document->points()))), detail);
-        if (m_document->many()) detail += tr(" in %1 files").arg(countText(m_document->parts().size()));
+        if (m_document->many() && m_document->named())
+            detail += tr(" in %1 files").arg(countText(m_document->parts().size()));
         if (m_documents > 1) detail += tr("  ·  one of %1 open").arg(m_documents);
         if (m_document->recovered())
             detail += m_document->many() ? tr("  ·  some damaged") : tr("  ·  damaged file");
