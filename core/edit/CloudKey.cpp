@@ -140,7 +140,7 @@ CloudKey keyOfFile(const PointCloud& cloud, Progress& progress)
     if (!cloud.source()) return keyOf(cloud, progress);
     const las::CurrentFile current = cloud.source()->current->get();
     if (current.saved) {
-        const auto reader = las::Reader::open(current.path);
+        const auto reader = las::Reader::open(current.path, nullptr);
         if (!holdsColumns(*reader->source(), cloud)) {
             if (las::FileStamp::of(current.path) != current.stamp)
                 throw Error(current.path, "another program changed the file since it was saved.");

@@ -394,7 +394,7 @@ SavePreview previewSave(const PointCloud& cloud, const std::filesystem::path& or
 {
     progress.begin("Comparing with the file", 0);
     storeCompatible(cloud);
-    const auto reader = Reader::open(original);
+    const auto reader = Reader::open(original, nullptr);
     const std::shared_lock lock(cloud.mutex());
     SavePreview preview;
     preview.plan = known.fits(target, options)

@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/Text.h"
+#include "core/las/AtomicFile.h"
 #include "core/las/SaveManifest.h"
 
 #include <sys/types.h>
@@ -98,9 +99,11 @@ std::vector<std::string> Leftovers::of(const std::filesystem::path& target) cons
     return sentences;
 }
 
-std::vector<std::string> unfinishedSaves(const std::filesystem::path& target)
+std::vector<std::string> FolderLeftovers::of(const std::filesystem::path& target)
 {
-    return Leftovers(target.has_parent_path() ? target.parent_path() : ".").of(target);
+    const std::filesystem::path folder = folderOf(target);
+    const std::lock_guard lock(m_mutex);  // while a folder is looked through, others wait for what is found
+    return m_folders.try_emplace(folder, folder).first->second.of(target);
 }
 
 }  // namespace punctum::las

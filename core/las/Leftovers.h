@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,7 +41,15 @@ private:
     bool m_several = false;  ///< a save of several files waits to be finished (FinishSaves.h)
 };
 
-/// Likewise for one file.
-std::vector<std::string> unfinishedSaves(const std::filesystem::path& target);
+/// Likewise in any number of folders, each looked through when it is first asked for. Any thread.
+class FolderLeftovers
+{
+public:
+    std::vector<std::string> of(const std::filesystem::path& target);
+
+private:
+    std::mutex m_mutex;
+    std::map<std::filesystem::path, Leftovers> m_folders;
+};
 
 }  // namespace punctum::las

@@ -8,6 +8,7 @@
 #include "core/las/Compatible.h"
 #include "core/las/ExtraBytesRange.h"
 #include "core/las/File.h"
+#include "core/las/Leftovers.h"
 #include "core/las/Parallel.h"
 #include "core/las/RecordBlocks.h"
 #include "core/las/SourceParser.h"
@@ -106,6 +107,12 @@ Reader::~Reader() = default;
 
 std::unique_ptr<Reader> Reader::open(const std::filesystem::path& path)
 {
+    FolderLeftovers leftovers;
+    return open(path, &leftovers);
+}
+
+std::unique_ptr<Reader> Reader::open(const std::filesystem::path& path, FolderLeftovers* leftovers)
+{
     File file(path);
     ParsedFile parsed;
     try {
@@ -115,6 +122,8 @@ std::unique_ptr<Reader> Reader::open(const std::filesystem::path& path)
         throw Error(path, e.what());
     }
     auto source = parsed.source;
+    if (leftovers != nullptr)
+        for (std::string& sentence : leftovers->of(path)) source->warnings.push_back(std::move(sentence));
     auto impl = std::make_unique<Impl>(Impl{std::move(file), std::move(parsed)});
     return std::unique_ptr<Reader>(new Reader(std::move(impl), std::move(source)));
 }

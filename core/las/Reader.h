@@ -21,6 +21,8 @@ struct ReadResult {
     RawBounds bounds;                   ///< of the points read
 };
 
+class FolderLeftovers;
+
 /// Reads one LAS or LAZ file.
 ///
 /// Example:
@@ -37,6 +39,9 @@ public:
     /// Reads header, VLRs, EVLRs and the chunk table, no points but a few for a first idea of the extent.
     /// Throws Error.
     static std::unique_ptr<Reader> open(const std::filesystem::path& path);
+    /// Likewise, for many files: what killed saves left beside the file is looked for by `leftovers`, once a
+    /// folder; null: not at all.
+    static std::unique_ptr<Reader> open(const std::filesystem::path& path, FolderLeftovers* leftovers);
     ~Reader();
     Reader(const Reader&) = delete;
     Reader& operator=(const Reader&) = delete;

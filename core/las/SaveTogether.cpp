@@ -155,7 +155,7 @@ std::vector<WriteReport> commitTogether(std::vector<StagedWrite> stages)
     for (const auto& [folder, entries] : folders) (void)syncFolder(folder);
     if (error == 0) manifests.removeDone();
 
-    std::map<fs::path, Leftovers> leftovers;
+    FolderLeftovers leftovers;
     std::vector<std::string> saved, missing;
     auto piece = pieces.begin();
     for (StagedWrite& staged : stages) {
@@ -167,9 +167,7 @@ std::vector<WriteReport> commitTogether(std::vector<StagedWrite> stages)
         }
         (whole ? saved : missing).push_back(shownName(state.path));
         if (!whole) continue;
-        const fs::path folder = folderOf(state.file->target());
-        const auto& left = leftovers.try_emplace(folder, folder).first->second;
-        reports.push_back(state.finish(state.file->stamp(), left.of(state.file->target())));
+        reports.push_back(state.finish(state.file->stamp(), leftovers.of(state.file->target())));
     }
     if (error != 0)
         throw Error("Of " + grouped(stages.size()) + " files these are saved: " + listText(saved) +

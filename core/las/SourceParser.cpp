@@ -8,7 +8,6 @@
 #include "core/las/Crs.h"
 #include "core/las/File.h"
 #include "core/las/FormatNeeds.h"
-#include "core/las/Leftovers.h"
 #include "core/las/OtherFiles.h"
 #include "core/las/TailPoints.h"
 #include "core/las/WaveformFile.h"
@@ -58,7 +57,6 @@ public:
         useCompatibility(m_s, m_s.layout, m_s.warnings);
         sample();
         describe();
-        for (const std::string& sentence : unfinishedSaves(m_s.path)) warn(sentence);
         m_parsed.source = m_source;
         return std::move(m_parsed);
     }

@@ -76,7 +76,7 @@ WriteReport StagedWrite::commit()
                 std::filesystem::remove(waveforms->target(), ignored);
             throw;
         }
-        return m_state->finish(stamp, unfinishedSaves(file.target()));
+        return m_state->finish(stamp, Leftovers(folderOf(file.target())).of(file.target()));
     });
 }
 

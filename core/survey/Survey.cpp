@@ -7,6 +7,7 @@
 #include "core/las/CrsChange.h"
 #include "core/las/FinishSaves.h"
 #include "core/las/GpsTime.h"
+#include "core/las/Leftovers.h"
 #include "core/las/Parallel.h"
 #include "core/las/RecordBlocks.h"
 #include "core/survey/Member.h"
@@ -79,12 +80,13 @@ std::unique_ptr<Survey> Survey::open(const std::vector<fs::path>& files, Progres
     std::unique_ptr<Survey> survey(new Survey());
     progress.begin(paths.size() == 1 ? "Opening" : "Opening files", paths.size());
     survey->m_warnings = las::finishSaves(paths);
+    las::FolderLeftovers leftovers;
     std::vector<Opened> opened(paths.size());
     const bool keepOpen = paths.size() <= kMostOpen;
     las::forEachInOrder(paths.size(), [&](std::vector<std::byte>&, std::size_t k) {
         progress.check();
         try {
-            opened[k].reader = las::Reader::open(paths[k]);
+            opened[k].reader = las::Reader::open(paths[k], &leftovers);
             opened[k].source = opened[k].reader->source();
             if (!keepOpen) opened[k].reader.reset();
         } catch (const Error& e) {
@@ -309,7 +311,7 @@ las::ReadResult Survey::readPart(std::size_t part, Progress& progress, const las
     Member& member = *m_members[part];
     std::unique_ptr<las::Reader> reader = std::move(member.reader);
     if (!reader) {
-        reader = las::Reader::open(p.path);
+        reader = las::Reader::open(p.path, nullptr);  // open() has looked for leftovers
         if (reader->source()->pointCount != p.points.size() ||
             reader->source()->layout.length != p.source->layout.length ||
             reader->source()->current->get().stamp != p.source->current->get().stamp)

@@ -3,6 +3,7 @@
 #include "core/edit/CloudKey.h"
 #include "core/edit/Journal.h"
 #include "core/las/AtomicFile.h"
+#include "core/las/Leftovers.h"
 #include "core/las/Reader.h"
 #include "core/las/Repair.h"
 #include "core/las/Writer.h"
@@ -280,6 +281,13 @@ void LasFaultTest::leftoversOfLongNames()
     QVERIFY(las::Reader::open(path)->source()->warnings.empty());
     lasfiles::writeFile(folder() / ".b.las.tmp-999999999-0123abcd", Bytes(1));
     QVERIFY(mentions(las::Reader::open(path)->source()->warnings, ".b.las.tmp-999999999-0123abcd"));
+
+    // For many files a folder is looked through once.
+    las::FolderLeftovers once;
+    QCOMPARE(once.of(path).size(), std::size_t(1));
+    QVERIFY(once.of(folder() / "c.las").empty());
+    QVERIFY(!mentions(las::Reader::open(path, nullptr)->source()->warnings, "cut off"));
+    QVERIFY(mentions(las::Reader::open(path, &once)->source()->warnings, ".b.las.tmp-999999999-0123abcd"));
 
     // A name that leaves no room for more has its leftovers under a common one.
     const fs::path longName = folder() / (std::string(251, 'x') + ".las");

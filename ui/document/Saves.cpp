@@ -2,6 +2,7 @@
 #include "ui/document/Saves.h"
 
 #include "core/Error.h"
+#include "core/task/Progress.h"
 #include "ui/basic/Text.h"
 #include "ui/document/SavingText.h"
 
