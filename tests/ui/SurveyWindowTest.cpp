@@ -143,6 +143,14 @@ private slots:
         QCOMPARE(s.workspace().active(), first);
         QCOMPARE(s.window->viewport().messages().sentences(),
                  QStringList{QStringLiteral("tile1.laz is open already, as one of 3 files.")});
+        const QString other = s.data.filePath(QStringLiteral("other.las"));
+        writeSurvey(other, kPoints, kWidth * 6);
+        s.dropFiles({s.paths[0], other});
+        QVERIFY(s.settle());
+        QCOMPARE(s.workspace().active()->name(), QStringLiteral("other.las"));
+        QCOMPARE(s.window->viewport().messages().sentences().size(), 2);
+        QVERIFY(s.window->viewport().messages().sentences().contains(
+            QStringLiteral("One of these files is open already and is left as it is.")));
     }
 
     void aVirtualCloudIsOneDocument()
@@ -163,8 +171,8 @@ private slots:
         QCOMPARE(s.workspace().active()->name(), QStringLiteral("all.vpc"));
         QCOMPARE(s.workspace().active()->parts().size(), std::size_t(2));
         QCOMPARE(s.window->viewport().messages().sentences(),
-                 QStringList{QStringLiteral("1 files of all.vpc lie on servers and are left out; download them "
-                                            "first.")});
+                 QStringList{
+                     QStringLiteral("One file of all.vpc lies on a server and is left out; download it first.")});
     }
 
     /// The list of recent files has them as they were opened.

@@ -85,7 +85,8 @@ void Openings::open(const QStringList& paths, const QString& origin)
         seen.insert(path);
         opening->paths << path;
     }
-    const qsizetype left = paths.size() - opening->paths.size();
+    const auto left =
+        std::count_if(paths.begin(), paths.end(), [&](const QString& p) { return known.contains(p); });
     if (opening->paths.isEmpty()) {
         if (Document* const open = paths.isEmpty() ? nullptr : known.value(paths.front())) {
             m_workspace.setActive(open);
@@ -97,9 +98,10 @@ void Openings::open(const QStringList& paths, const QString& origin)
         return;
     }
     if (left != 0)
-        m_workspace.say(
-            MessageKind::Info,
-            tr("%1 of these files are open already and are left as they are.").arg(countText(std::size_t(left))));
+        m_workspace.say(MessageKind::Info, left == 1
+                                               ? tr("One of these files is open already and is left as it is.")
+                                               : tr("%1 of these files are open already and are left as they are.")
+                                                     .arg(countText(std::size_t(left))));
     const bool many = opening->paths.size() > 1;
     opening->origin = many && origin.isEmpty() && opening->paths.size() <= kMostRemembered
                           ? opening->paths.join(QLatin1Char('\n'))

@@ -141,10 +141,14 @@ void Opener::openFound(const Search& search)
                                                   ? tr("One folder could not be read; its files are left out.")
                                                   : tr("%1 folders could not be read; their files are left out.")
                                                         .arg(countText(search.found.closedFolders)));
-    if (search.found.remote != 0)
+    if (search.found.remote != 0) {
+        const QString where = one ? name : tr("virtual point clouds");
         m_workspace.say(MessageKind::Warning,
-                        tr("%1 files of %2 lie on servers and are left out; download them first.")
-                            .arg(countText(search.found.remote), one ? name : tr("virtual point clouds")));
+                        search.found.remote == 1
+                            ? tr("One file of %1 lies on a server and is left out; download it first.").arg(where)
+                            : tr("%1 files of %2 lie on servers and are left out; download them first.")
+                                  .arg(countText(search.found.remote), where));
+    }
     const auto openAll = [this, files = search.files,
                           origin = search.alone && one ? search.places.front() : QString()] {
         m_workspace.open(files, origin);
