@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "core/cloud/Section.h"
 #include "core/task/Progress.h"
+#include "render/store/Arrangement.h"
 
 #include <memory>
 #include <optional>
@@ -18,6 +19,7 @@ struct BenchViewOptions : BenchOptions {
     std::string backend = "auto";
     std::optional<double> share;
     std::optional<double> section;
+    bool fileOrder = false;
 };
 
 /// A strip along the longer side, in the middle of the other one.
@@ -51,10 +53,15 @@ void runBenchView(const BenchViewOptions& options, Progress& progress)
     }
     show(renderer, cloud, kBenchWidth, kBenchHeight, display);
     renderer.setCamera(camera);
+    if (!options.fileOrder) {  // as the window does behind the scenes
+        if (auto arrangement = cloud.store->arrangement(cloud.bounds, progress))
+            renderer.arrange(*cloud.cloud, std::move(*arrangement));
+    }
     drawAll(renderer, false, progress);  // streams the attribute, learns the cost of a point, touches all memory
 
     Figures figures;
     figures.fact("points", cloud.cloud->size());
+    figures.fact("arranged", cloud.store->arranged());
     figures.fact("backend", render::nameOf(renderer.backend().kind()));
     figures.fact("device", renderer.backend().description());
     for (int round = 0; round < options.rounds; ++round) {
@@ -81,6 +88,9 @@ void addBenchView(CLI::App& bench, Action& action)
     const auto options = std::make_shared<BenchViewOptions>();
     addBenchOptions(command, *options);
     addBackendOption(command, options->backend);
+    command.add_flag(
+        "--file-order", options->fileOrder,
+        "Leave slots in the order of the file; else they are arranged as in the window, where that pays");
     CLI::Option* const share =
         command.add_option("--share", options->share, "Share of each side that is seen, 0.001 to 1; default 0.1")
             ->type_name("S")

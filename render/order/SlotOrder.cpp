@@ -127,18 +127,18 @@ SlotOrder::SlotOrder(OrderKind kind, PointIndex points) : m_kind(kind), m_points
     m_window = std::max<Slot>(m_window, 1);
 }
 
-Slot SlotOrder::slotOf(PointIndex index) const noexcept
+Slot SlotOrder::slotOfPlace(PointIndex place) const noexcept
 {
     if (m_kind == OrderKind::Prime) {
-        const auto i = std::uint32_t(index);
+        const auto i = std::uint32_t(place);
         return i < m_prime ? permute(permute(i, m_prime), m_prime) : i;
     }
-    const std::uint32_t group = std::uint32_t(index >> m_groupBits);
+    const std::uint32_t group = std::uint32_t(place >> m_groupBits);
     const GroupShuffle s = groupShuffle(group);
-    return s.window(std::uint32_t(index) & memberMask(), memberMask()) * m_window + group;
+    return s.window(std::uint32_t(place) & memberMask(), memberMask()) * m_window + group;
 }
 
-PointIndex SlotOrder::indexOf(Slot slot) const noexcept
+PointIndex SlotOrder::placeAt(Slot slot) const noexcept
 {
     if (m_kind == OrderKind::Prime) return slot < m_prime ? unpermute(unpermute(slot, m_prime), m_prime) : slot;
     const std::uint32_t group = slot % m_window;
@@ -149,15 +149,26 @@ PointIndex SlotOrder::indexOf(Slot slot) const noexcept
 
 void SlotOrder::slotsOf(PointRange range, Slot* out) const noexcept
 {
+    if (!m_runs) return slotsOfPlaces(range, out);
+    const PointIndex runPoints = m_runs->runPoints();
+    for (PointIndex first = range.first, last = first; first < range.last; first = last) {
+        last = std::min(range.last, (first / runPoints + 1) * runPoints);
+        const PointIndex place = m_runs->placeOf(first);
+        slotsOfPlaces({place, place + (last - first)}, out + (first - range.first));
+    }
+}
+
+void SlotOrder::slotsOfPlaces(PointRange places, Slot* out) const noexcept
+{
     if (m_kind == OrderKind::Prime) {
-        for (PointIndex i = range.first; i < range.last; ++i) *out++ = slotOf(i);
+        for (PointIndex i = places.first; i < places.last; ++i) *out++ = slotOfPlace(i);
         return;
     }
-    PointIndex i = range.first;
-    while (i < range.last) {
+    PointIndex i = places.first;
+    while (i < places.last) {
         const std::uint32_t group = std::uint32_t(i >> m_groupBits);
         const GroupShuffle s = groupShuffle(group);
-        const PointIndex end = std::min(range.last, (PointIndex(group) + 1) << m_groupBits);
+        const PointIndex end = std::min(places.last, (PointIndex(group) + 1) << m_groupBits);
         for (; i < end; ++i) *out++ = s.window(std::uint32_t(i) & memberMask(), memberMask()) * m_window + group;
     }
 }

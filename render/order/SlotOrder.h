@@ -2,8 +2,10 @@
 #pragma once
 
 #include "core/cloud/Column.h"
+#include "render/order/RunOrder.h"
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string_view>
 
@@ -48,8 +50,9 @@ GroupShuffle groupShuffle(std::uint32_t group) noexcept;
 
 /// A bijection point index <-> slot such that runs of consecutive slots are random subsets of the cloud.
 ///
-/// Runs are uniform when they cover whole windows: begin and end drawing at multiples of windowSize().
-/// Immutable; all members may be called from any thread.
+/// Runs are uniform when they cover whole windows: begin and end drawing at multiples of windowSize(). Groups are
+/// of points at consecutive places, which are those of the file or of a RunOrder. Immutable; all members may be
+/// called from any thread.
 class SlotOrder
 {
 public:
@@ -67,13 +70,30 @@ public:
     std::uint32_t memberMask() const noexcept { return (1u << m_groupBits) - 1; }
     std::uint32_t groupBits() const noexcept { return m_groupBits; }
 
-    Slot slotOf(PointIndex index) const noexcept;
+    /// The order of points that is dealt out: their places. Null: the file's, a point's place is its index.
+    const RunOrder* runs() const noexcept { return m_runs.get(); }
+    /// Stratified alone. Slots are as many as before, but stand for other points.
+    void setRuns(std::shared_ptr<const RunOrder> runs) noexcept { m_runs = std::move(runs); }
+
+    Slot slotOf(PointIndex index) const noexcept { return slotOfPlace(placeOf(index)); }
     /// points() or more for a padding slot. Prime: a few hundred nanoseconds (modular roots); Stratified: a few.
-    PointIndex indexOf(Slot slot) const noexcept;
+    PointIndex indexOf(Slot slot) const noexcept { return indexAt(placeAt(slot)); }
     /// Slots of consecutive points into `out` (range.size() values).
     void slotsOf(PointRange range, Slot* out) const noexcept;
 
+    PointIndex placeOf(PointIndex index) const noexcept { return m_runs ? m_runs->placeOf(index) : index; }
+    PointIndex indexAt(PointIndex place) const noexcept
+    {
+        return m_runs && place < m_points ? m_runs->indexAt(place) : place;
+    }
+    Slot slotOfPlace(PointIndex place) const noexcept;
+    /// points() or more for a padding slot.
+    PointIndex placeAt(Slot slot) const noexcept;
+
 private:
+    void slotsOfPlaces(PointRange places, Slot* out) const noexcept;
+
+    std::shared_ptr<const RunOrder> m_runs;
     OrderKind m_kind = OrderKind::Stratified;
     PointIndex m_points = 0;
     Slot m_slots = 0;

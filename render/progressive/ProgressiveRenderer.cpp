@@ -138,9 +138,23 @@ void ProgressiveRenderer::hide(const PointCloud& cloud, const PointSet* points)
     m_legend.valuesChanged();
 }
 
+void ProgressiveRenderer::arrange(const PointCloud& cloud, Arrangement&& arrangement)
+{
+    ViewCloud* const entry = find(cloud);
+    if (entry == nullptr) return;
+    {
+        const std::shared_lock lock(cloud.mutex());
+        entry->store->arrange(std::move(arrangement));
+    }
+    storesChanged(StoreChange::Slots);
+}
+
 void ProgressiveRenderer::storesChanged(StoreChange change)
 {
     switch (change) {
+        case StoreChange::Slots:
+            m_layersChanged = true;  // what ids stand for; values and ranges are as they were
+            break;
         case StoreChange::Hidden:
             m_viewChanged = true;
             m_legend.valuesChanged();

@@ -68,7 +68,10 @@ public:
     /// Points that are not drawn from now on, beside hidden classes and what the clip cuts off; null: none.
     void hide(const PointCloud& cloud, const PointSet* points);
 
-    enum class StoreChange { Values, Selection, Hidden };
+    /// Goes on with other slots of a store, PointStore::arrangement(); the picture is drawn anew.
+    void arrange(const PointCloud& cloud, Arrangement&& arrangement);
+
+    enum class StoreChange { Values, Selection, Hidden, Slots };
     /// Another renderer has changed stores that this one draws, too.
     void storesChanged(StoreChange change);
 

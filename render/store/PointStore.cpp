@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "render/store/PointStore.h"
 
-#include "render/store/SlotElements.h"
-
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
-#include <cstring>
-
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
 
 namespace punctum::render
 {
@@ -21,13 +15,8 @@ namespace punctum::render
 namespace
 {
 
-/// Points encoded and dealt out together: their positions, words and classes stay in the processor's second
-/// level cache, and with 1024 windows each window gets runs of 16 slots, whole cache lines.
-constexpr PointIndex kPutPoints = PointStore::kStretchPoints;
-/// Groups dealt out together; more only with small clouds, whose groups are small.
-constexpr std::uint32_t kMostGroups = 64;
-/// Windows ahead of the one that is written, whose cache lines are asked for.
-constexpr std::uint32_t kFetchAhead = 8;
+/// Points that one task takes at a time.
+constexpr PointIndex kPutPoints = BlockBoxes::kPoints;
 
 /// Up to this many changed points are brought up to date at once instead of being streamed.
 constexpr PointIndex kFewPoints = 200'000;
@@ -67,9 +56,7 @@ PointStore::PointStore(std::shared_ptr<const PointCloud> cloud, const RawBounds&
       m_order(order, m_cloud->size()),
       m_bounds(firstBounds),
       m_frame(LocalFrame::around(firstBounds)),
-      m_positions(std::size_t(m_order.slotCount()) * sizeof(LocalPosition)),
-      m_words(std::size_t(m_order.slotCount()) * sizeof(std::uint32_t)),
-      m_classes(m_order.slotCount()),
+      m_slots(m_order.slotCount()),
       m_hidden(m_order.slotCount()),
       m_positionVersions(blocks()),
       m_wordVersions(blocks())
@@ -81,17 +68,17 @@ PointStore::~PointStore() = default;
 
 std::span<const LocalPosition> PointStore::positions() const noexcept
 {
-    return {reinterpret_cast<const LocalPosition*>(m_positions.data()), slotCount()};
+    return {reinterpret_cast<const LocalPosition*>(m_slots.positions.data()), slotCount()};
 }
 
 std::span<const std::uint32_t> PointStore::words() const noexcept
 {
-    return {reinterpret_cast<const std::uint32_t*>(m_words.data()), slotCount()};
+    return {reinterpret_cast<const std::uint32_t*>(m_slots.words.data()), slotCount()};
 }
 
 std::span<const std::uint8_t> PointStore::classes() const noexcept
 {
-    return {reinterpret_cast<const std::uint8_t*>(m_classes.data()), slotCount()};
+    return {reinterpret_cast<const std::uint8_t*>(m_slots.classes.data()), slotCount()};
 }
 
 std::span<const std::uint8_t> PointStore::hidden() const noexcept
@@ -150,9 +137,12 @@ void PointStore::setEncoder(std::shared_ptr<const AttributeEncoder> encoder)
             instead->setSelection(m_preview->points);
         }
     }
-    const std::lock_guard lock(m_encoderMutex);
-    m_encoder = std::move(encoder);
-    m_previewEncoder = std::move(instead);
+    {
+        const std::lock_guard lock(m_encoderMutex);
+        m_encoder = std::move(encoder);
+        m_previewEncoder = std::move(instead);
+    }
+    m_wordChanges.fetch_add(1, std::memory_order_release);
 }
 
 std::shared_ptr<AttributeEncoder> PointStore::makeEncoder(const Attribute& attribute, PointRange range) const
@@ -199,6 +189,7 @@ std::shared_ptr<const AttributeEncoder> PointStore::encoderFor(PointRange range)
 
 void PointStore::fill(PointRange range)
 {
+    assert(m_order.runs() == nullptr);
     const auto encoder = encoderFor(range);
     put(range, *encoder, true);
     m_filled.fetch_add(range.size(), std::memory_order_release);
@@ -258,138 +249,35 @@ void PointStore::setBounds(const RawBounds& bounds)
     });
 }
 
-/// Points of one put() before they are dealt out, in file order.
-struct PointStore::Scratch {
-    std::uint32_t words[kPutPoints];
-    std::uint8_t classes[kPutPoints];
-    Element elements[kPutPoints];
-};
-
-void PointStore::put(PointRange range, const AttributeEncoder& encoder, bool withPositions)
+void PointStore::put(PointRange places, const AttributeEncoder& encoder, bool positions)
 {
-    thread_local std::unique_ptr<Scratch> scratch;
-    if (!scratch) scratch = std::make_unique<Scratch>();
-    auto* const positions = reinterpret_cast<LocalPosition*>(m_positions.data());
-    auto* const words = reinterpret_cast<std::uint32_t*>(m_words.data());
-    auto* const classes = reinterpret_cast<std::uint8_t*>(m_classes.data());
-    const bool haveClasses = m_classification.columns[0] != nullptr;
-    const PointRange whole = range;
-
-    for (PointIndex first = range.first; first < whole.last; first = range.last) {
-        // Pieces end where groups of the order do, so that all but the outermost groups are dealt out whole.
-        range = {first, std::min(whole.last, (first / kPutPoints + 1) * kPutPoints)};
-        const auto count = std::size_t(range.size());
-        Scratch& s = *scratch;
-        if (const std::size_t cut = encoder.encode(range, s.words))
-            m_colorsCut.fetch_add(cut, std::memory_order_relaxed);
-        if (haveClasses) m_classification.gatherBits(range, s.classes);
-        if (withPositions) {
-            const std::int32_t* const axes[3] = {m_cloud->rawX().data() + first, m_cloud->rawY().data() + first,
-                                                 m_cloud->rawZ().data() + first};
-            if (!makeElements(m_frame, axes, s.words, count, s.elements))
-                m_outgrown.store(true, std::memory_order_relaxed);
-        }
-
-        const auto store = [&](Slot slot, std::size_t k) {
-            words[slot] = s.words[k];
-            if (haveClasses) classes[slot] = s.classes[k];
-            if (withPositions) positions[slot] = {s.elements[k].x, s.elements[k].y, s.elements[k].z};
-        };
-        if (m_order.kind() != OrderKind::Stratified) {
-            for (std::size_t k = 0; k < count; ++k) store(m_order.slotOf(first + k), k);
-            continue;
-        }
-        const std::uint32_t mask = m_order.memberMask();
-        const Slot window = m_order.windowSize();
-        const PointIndex groupPoints = PointIndex(mask) + 1;
-        const auto dealOut = [&](PointIndex from, PointIndex to) {  // points of one group
-            const auto group = std::uint32_t(from >> m_order.groupBits());
-            const GroupShuffle shuffle = groupShuffle(group);
-            for (PointIndex i = from; i < to; ++i)
-                store(shuffle.window(std::uint32_t(i) & mask, mask) * window + group, std::size_t(i - first));
-        };
-        const PointIndex wholeFirst = std::min(range.last, (range.first + mask) / groupPoints * groupPoints);
-        const PointIndex wholeLast = std::max(wholeFirst, range.last / groupPoints * groupPoints);
-        if (range.first < wholeFirst) dealOut(range.first, wholeFirst);
-        if (wholeLast < range.last) dealOut(wholeLast, range.last);
-        // Whole groups window by window: each gets a run of consecutive slots, one from each group.
-        for (PointIndex from = wholeFirst; from < wholeLast;) {
-            const auto group = std::uint32_t(from >> m_order.groupBits());
-            const auto groups =
-                std::uint32_t(std::min<PointIndex>(kMostGroups, (wholeLast - from) >> m_order.groupBits()));
-            // members[g]: the member of group g that the window gets, from window to window by a fixed step
-            std::uint32_t members[kMostGroups], steps[kMostGroups], bases[kMostGroups];
-            for (std::uint32_t g = 0; g < groups; ++g) {
-                const GroupShuffle shuffle = groupShuffle(group + g);
-                members[g] = shuffle.member(0, mask);
-                steps[g] = shuffle.inverse;
-                bases[g] = std::uint32_t(from - first) + (g << m_order.groupBits());
-            }
-            const bool lines =
-                withPositions && groups == kLineSlots && group % kLineSlots == 0 && window % kLineSlots == 0;
-            for (std::uint32_t w = 0; w <= mask; ++w) {
-                const Slot slot = w * window + group;
-                // part of a line, which must come before it can be written
-                if (haveClasses && w + kFetchAhead <= mask)
-                    __builtin_prefetch(classes + slot + kFetchAhead * window, 1);
-                std::uint32_t at[kMostGroups];
-                for (std::uint32_t g = 0; g < groups; ++g) {
-                    at[g] = bases[g] + members[g];
-                    members[g] = (members[g] + steps[g]) & mask;
-                }
-                if (lines) {
-                    const Element* elements[kLineSlots];
-                    for (std::uint32_t g = 0; g < kLineSlots; ++g) elements[g] = &s.elements[at[g]];
-                    storeLines(elements, &positions[slot].x, &words[slot]);
-                } else {
-                    for (std::uint32_t g = 0; g < groups; ++g) words[slot + g] = s.words[at[g]];
-                    if (withPositions)
-                        for (std::uint32_t g = 0; g < groups; ++g) {
-                            const Element& e = s.elements[at[g]];
-                            positions[slot + g] = {e.x, e.y, e.z};
-                        }
-                }
-                if (haveClasses) {
-                    // eight at once, because each store of its own would wait for the cache line
-                    std::uint32_t g = 0;
-                    for (; g + 8 <= groups; g += 8) {
-                        std::uint64_t eight = 0;
-                        for (std::uint32_t k = 0; k < 8; ++k)
-                            eight |= std::uint64_t(s.classes[at[g + k]]) << (8 * k);
-                        std::memcpy(classes + slot + g, &eight, sizeof eight);
-                    }
-                    for (; g < groups; ++g) classes[slot + g] = s.classes[at[g]];
-                }
-            }
-            from += PointIndex(groups) << m_order.groupBits();
-        }
-    }
-#if defined(__SSE2__)
-    _mm_sfence();  // what was written past the caches is there before anybody is told of it
-#endif
+    const Dealt dealt =
+        dealOut(*m_cloud, places, encoder, m_classification, m_slots, m_order, positions ? &m_frame : nullptr);
+    if (dealt.colorsCut != 0) m_colorsCut.fetch_add(dealt.colorsCut, std::memory_order_relaxed);
+    if (!dealt.inside) m_outgrown.store(true, std::memory_order_relaxed);
 }
 
-void PointStore::bumpVersions(PointRange range, bool withPositions) noexcept
+void PointStore::bumpVersions(PointRange places, bool withPositions) noexcept
 {
     const auto bump = [&](Slot slot) {
         const Slot block = slot >> kBlockBits;
         if (withPositions) m_positionVersions[block].fetch_add(1, std::memory_order_release);
         m_wordVersions[block].fetch_add(1, std::memory_order_release);
     };
-    if (m_order.kind() == OrderKind::Stratified && range.size() > m_order.memberMask()) {
+    if (m_order.kind() == OrderKind::Stratified && places.size() > m_order.memberMask()) {
         // Every window was touched around the same place: bump the blocks of those runs.
-        const auto g0 = Slot(range.first >> m_order.groupBits()),
-                   g1 = Slot((range.last - 1) >> m_order.groupBits());
+        const auto g0 = Slot(places.first >> m_order.groupBits()),
+                   g1 = Slot((places.last - 1) >> m_order.groupBits());
         Slot last = ~Slot(0);
         for (std::uint32_t w = 0; w <= m_order.memberMask(); ++w)
             for (Slot b = (w * m_order.windowSize() + g0) >> kBlockBits,
                       e = (w * m_order.windowSize() + g1) >> kBlockBits;
                  b <= e; ++b)
                 if (b != last) bump((last = b) << kBlockBits);
-    } else if (range.size() >= slotCount() / 4 || m_order.kind() == OrderKind::Prime) {
+    } else if (places.size() >= slotCount() / 4 || m_order.kind() == OrderKind::Prime) {
         for (Slot b = 0; b < blocks(); ++b) bump(b << kBlockBits);
     } else {
-        for (PointIndex i = range.first; i < range.last; ++i) bump(m_order.slotOf(i));
+        for (PointIndex i = places.first; i < places.last; ++i) bump(m_order.slotOfPlace(i));
     }
 }
 
@@ -451,6 +339,7 @@ void PointStore::markStale(const PointSet* points)
     if (!current) return;
     const Attribute* a = m_cloud->findAttribute("Classification");
     if (a != nullptr && a->columns[0] != m_classification.columns[0]) m_classification = *a;
+    m_wordChanges.fetch_add(1, std::memory_order_release);
     if (points != nullptr && points->count() <= kFewPoints) {
         const PointRange extent = points->extent();
         const std::size_t firstWord = std::size_t(extent.first / 64),
@@ -464,9 +353,9 @@ void PointStore::markStale(const PointSet* points)
             if (m_classification.columns[0]) m_classification.gatherBits(part, classes.data());
             for (std::size_t k = 0; k < part.size(); ++k) {
                 const Slot slot = m_order.slotOf(part[k]);
-                reinterpret_cast<std::uint32_t*>(m_words.data())[slot] = words[k];
+                reinterpret_cast<std::uint32_t*>(m_slots.words.data())[slot] = words[k];
                 if (m_classification.columns[0])
-                    reinterpret_cast<std::uint8_t*>(m_classes.data())[slot] = std::uint8_t(classes[k]);
+                    reinterpret_cast<std::uint8_t*>(m_slots.classes.data())[slot] = std::uint8_t(classes[k]);
                 m_wordVersions[slot >> kBlockBits].fetch_add(1, std::memory_order_release);
             }
         });
@@ -493,18 +382,18 @@ std::size_t PointStore::refresh(std::span<const Slot> slotList)
                 std::atomic_ref<std::uint64_t> fresh(m_fresh[slot / 64]);
                 if ((fresh.load(std::memory_order_relaxed) & bit) != 0) continue;
                 fresh.fetch_or(bit, std::memory_order_relaxed);
-                const PointIndex index = m_order.indexOf(slot);
-                if (index < m_refreshed || index >= m_cloud->size()) continue;
+                const PointIndex place = m_order.placeAt(slot);
+                if (place < m_refreshed || place >= m_cloud->size()) continue;
                 stale.push_back(slot);
-                indices.push_back(std::uint32_t(index));
+                indices.push_back(std::uint32_t(m_order.indexAt(place)));
             }
             std::vector<std::uint32_t> words(stale.size()), classes(stale.size());
             m_colorsCut.fetch_add(current->encode(indices, words.data()), std::memory_order_relaxed);
             if (m_classification.columns[0]) m_classification.gatherBits(indices, classes.data());
             for (std::size_t k = 0; k < stale.size(); ++k) {
-                reinterpret_cast<std::uint32_t*>(m_words.data())[stale[k]] = words[k];
+                reinterpret_cast<std::uint32_t*>(m_slots.words.data())[stale[k]] = words[k];
                 if (m_classification.columns[0])
-                    reinterpret_cast<std::uint8_t*>(m_classes.data())[stale[k]] = std::uint8_t(classes[k]);
+                    reinterpret_cast<std::uint8_t*>(m_slots.classes.data())[stale[k]] = std::uint8_t(classes[k]);
                 m_wordVersions[stale[k] >> kBlockBits].fetch_add(1, std::memory_order_release);
             }
             return total + stale.size();

@@ -111,6 +111,9 @@ private slots:
                               << QStringList{"full_picture_ms", "points_read", "brute_force_ms"};
         QTest::newRow("section") << QStringList{"view", "--section", "0.01"}
                                  << QStringList{"full_picture_ms", "points_read", "brute_force_ms"};
+        QTest::newRow("section in the file's order")
+            << QStringList{"view", "--section", "0.01", "--file-order"}
+            << QStringList{"full_picture_ms", "points_read", "brute_force_ms"};
         QTest::newRow("order") << QStringList{"order", "--size", "320x200"} << QStringList{};
         QTest::newRow("edit") << QStringList{"edit"} << QStringList{"points_changed", "visible_ms", "undo_ms"};
         QTest::newRow("select") << QStringList{"select"}

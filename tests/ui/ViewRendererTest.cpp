@@ -5,6 +5,7 @@
 #include "core/task/Progress.h"
 #include "render/backends/Backends.h"
 #include "render/gl/EglContext.h"
+#include "render/store/Arrangement.h"
 #include "tests/render/SyntheticCloud.h"
 #include "ui/view/Still.h"
 
@@ -168,10 +169,16 @@ void ViewRendererTest::viewsBesideEachOther()
     other.setOn(true);
 
     std::shared_ptr<const PointSet> selected, hidden;
+    bool arranged = false;
+    const auto arrangementOf = [&](const render::PointStore& store) {
+        Progress progress;
+        return store.arrangement(view.cloud->computeBounds(), progress, -1e9);  // whatever it is worth
+    };
     const auto expected = [&](const render::Camera& camera, const render::DisplaySettings& settings, int w, int h) {
         render::ProgressiveRenderer renderer(render::makeBackend(BackendKind::Cpu));
         const auto store = std::make_shared<render::PointStore>(view.cloud, view.cloud->computeBounds());
         store->fillAll();
+        if (arranged) store->arrange(std::move(*arrangementOf(*store)));
         renderer.addCloud(store);
         renderer.setSize(w, h);
         renderer.setCamera(camera);
@@ -210,6 +217,12 @@ void ViewRendererTest::viewsBesideEachOther()
     for (PointIndex i = 0; i < view.cloud->size(); i += 5) std::const_pointer_cast<PointSet>(hidden)->insert(i);
     view.renderer.hide(view.cloud, hidden);
     QCOMPARE(both("hidden"), QByteArray());
+    std::shared_ptr<render::Arrangement> made = arrangementOf(*view.store);
+    QVERIFY(made);
+    view.renderer.arrange(view.cloud, made);
+    arranged = true;
+    QCOMPARE(both("in other slots"), QByteArray());
+    QVERIFY(view.store->arranged());
     hidden = nullptr;
     view.renderer.hide(view.cloud, nullptr);
     QCOMPARE(both("shown again"), QByteArray());

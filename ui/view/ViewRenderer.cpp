@@ -5,6 +5,7 @@
 #include "render/backends/BackendChoice.h"
 #include "render/backends/Backends.h"
 #include "render/gl/EglContext.h"
+#include "render/store/Arrangement.h"
 #include "render/store/PointStore.h"
 #include "ui/basic/Text.h"
 #include "ui/view/FrameShares.h"
@@ -215,6 +216,16 @@ void ViewRenderer::loadingEnded(std::shared_ptr<const PointCloud> cloud, const R
         for (DrawnCloud& entry : thread.clouds)
             if (&entry.store->cloud() == cloud.get()) entry.loading = false;
         thread.forAll([&](render::ProgressiveRenderer& renderer) { renderer.loadingEnded(*cloud, bounds); });
+    });
+}
+
+void ViewRenderer::arrange(std::shared_ptr<const PointCloud> cloud,
+                           std::shared_ptr<render::Arrangement> arrangement)
+{
+    post([cloud = std::move(cloud), arrangement = std::move(arrangement)](Thread& thread) {
+        thread.changeStores(StoreChange::Slots, [&](render::ProgressiveRenderer& renderer) {
+            renderer.arrange(*cloud, std::move(*arrangement));
+        });
     });
 }
 

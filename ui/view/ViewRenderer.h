@@ -18,6 +18,11 @@
 #include <utility>
 #include <vector>
 
+namespace punctum::render
+{
+struct Arrangement;
+}
+
 namespace punctum::ui
 {
 
@@ -98,6 +103,8 @@ public:
 
     void addCloud(std::shared_ptr<render::PointStore> store);
     void loadingEnded(std::shared_ptr<const PointCloud> cloud, const RawBounds& bounds);
+    /// Other slots for what is drawn of a cloud that is loaded: render::PointStore::arrangement().
+    void arrange(std::shared_ptr<const PointCloud> cloud, std::shared_ptr<render::Arrangement> arrangement);
     void removeCloud(std::shared_ptr<const PointCloud> cloud);
     void valuesChanged(std::shared_ptr<const PointCloud> cloud, const ChangeNotice& notice);
 

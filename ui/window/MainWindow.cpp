@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "ui/window/MainWindow.h"
 
+#include "render/store/Arrangement.h"
+#include "render/store/PointStore.h"
 #include "ui/basic/Text.h"
 #include "ui/docks/AttributesDock.h"
 #include "ui/docks/AttributesModel.h"
@@ -309,6 +311,24 @@ void MainWindow::documentAdded(Document* document)
 void MainWindow::documentLoaded(Document* document)
 {
     m_renderer->loadingEnded(document->cloud(), document->rawBounds());
+    arrange(*document);
+}
+
+/// Slots in an order that views of parts profit from. Where it pays not, or fails, the view goes on as it is.
+void MainWindow::arrange(Document& document)
+{
+    if (document.cloud()->size() < render::PointStore::kWorthSparing) return;
+    const auto made = std::make_shared<std::shared_ptr<render::Arrangement>>();
+    const JobId job = m_workspace->startJob(
+        tr("Arrange %1").arg(document.name()),
+        [made, store = document.store(), bounds = document.rawBounds()](Progress& progress) {
+            *made = store->arrangement(bounds, progress);
+        },
+        [this, made, cloud = document.cloud()](const JobInfo&) {
+            if (*made) m_renderer->arrange(cloud, std::move(*made));
+        },
+        true, JobTurn::Queued);
+    m_workspace->tie(document, job);
 }
 
 void MainWindow::documentRemoved(Document* document)

@@ -147,6 +147,7 @@ private:
     void updateTitle();
     void documentAdded(Document* document);
     void documentLoaded(Document* document);
+    void arrange(Document& document);
     void documentRemoved(Document* document);
     void showReadOut(const std::optional<PickedPoint>& point);
     void showViewState();
