@@ -26,6 +26,7 @@ std::vector<bool> Session::changedParts(Progress& progress) const
 {
     const std::vector<SessionPart> files = parts();
     std::vector<PointRange> ranges;
+    ranges.reserve(files.size());
     for (const SessionPart& part : files) ranges.push_back(part.points);
     if (const auto changed = m_history->changedIn(ranges, progress)) return *changed;
     // The saved state can no longer be reached: the files tell.
