@@ -428,7 +428,7 @@ void LasTogetherTest::killedAtRandomMoments()
         child.start(QCoreApplication::applicationFilePath(),
                     {QStringLiteral("--save-forever"), QString::fromStdString(folder().string())});
         QVERIFY(child.waitForReadyRead(30'000));
-        QTest::qSleep(int(random() % 30));
+        QTest::qSleep(int(random() % 120));
         ::kill(pid_t(child.processId()), SIGKILL);
         child.waitForFinished();
         QCOMPARE(child.exitStatus(), QProcess::CrashExit);

@@ -220,8 +220,7 @@ const char* const kManifests[] = {
     "punctum-save 1\nfolder /b\nfolder /c%20d\nfile .a.las.tmp-12-01234567 a.las 10 -5 11 6 0a0b0c0d\n"
     "new .b.laz.tmp-12-01234567 b.laz 11 6 00000000\nend 3\n",
     "punctum-save 1\ndecider /a\nnew .b.laz.tmp-12-01234567 b.laz 11 6 00000000\nend 3\n",
-    "punctum-save 1\nfile .a.las.tmp-12-01234567 ../a.las 10 5 11 6 0a0b0c0d\nend 1\n",
-    "punctum-save 2\nmore\n"};
+    "punctum-save 1\nfile .a.las.tmp-12-01234567 ../a.las 10 5 11 6 0a0b0c0d\nend 1\n", "punctum-save 2\nmore\n"};
 
 void manifests()
 {
