@@ -10,6 +10,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -75,9 +76,12 @@ bool isNoData(const Attribute& a, T raw)
 template <typename T, typename F>
 void forEachWithoutValue(const Column& column, const RawReader<T>& raw, PointRange range, const F& none)
 {
-    for (const PointRange& lacking : column.absent()) {
-        const PointIndex last = std::min(lacking.last, range.last);
-        for (PointIndex i = std::max(lacking.first, range.first); i < last; ++i)
+    const std::vector<PointRange>& absent = column.absent();  // thousands, where there are as many files
+    auto lacking = std::upper_bound(absent.begin(), absent.end(), range.first,
+                                    [](PointIndex p, const PointRange& r) { return p < r.last; });
+    for (; lacking != absent.end() && lacking->first < range.last; ++lacking) {
+        const PointIndex last = std::min(lacking->last, range.last);
+        for (PointIndex i = std::max(lacking->first, range.first); i < last; ++i)
             if (raw(i) == T(0)) none(i);
     }
 }

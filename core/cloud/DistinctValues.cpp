@@ -48,6 +48,7 @@ bool less(const DistinctValue& a, const DistinctValue& b)
 DistinctValues distinctValues(const Attribute& attribute, std::size_t most, Progress& progress,
                               const PointSet* leftOut)
 {
+    const bool some = !attribute.columns[0]->absent().empty();  // files that lack the attribute
     const Seen all = tbb::parallel_reduce(
         tbb::blocked_range<PointIndex>(0, attribute.size(), kTaskPoints), Seen{},
         [&](const tbb::blocked_range<PointIndex>& r, Seen seen) {
@@ -62,7 +63,10 @@ DistinctValues distinctValues(const Attribute& attribute, std::size_t most, Prog
                     const PointIndex begin = i;
                     std::uint64_t points = 0;
                     for (; i < last && bits[i - first] == value; ++i)
-                        points += leftOut == nullptr || !leftOut->contains(i) ? 1 : 0;
+                        points += (leftOut == nullptr || !leftOut->contains(i)) &&
+                                          !(value == 0 && some && attribute.lacks(i))
+                                      ? 1
+                                      : 0;
                     seen.add(value, begin, points, most);
                 }
             }

@@ -243,6 +243,7 @@ std::unique_ptr<Preview> Rule::preview(const PointCloud& cloud, const PointSet* 
     auto preview = std::make_unique<Preview>();
     preview->attributes.push_back(widest(target));
     const auto column = std::make_shared<Column>(target.name, target.type(), cloud.size());
+    column->setAbsent(target.columns[0]->absent());  // what stays without a value is shown without one
     preview->attributes[0].columns[0] = column;
     evaluate(bound, cloud, progress, [&](auto& task, std::size_t first, std::size_t last) {
         using T = typename std::decay_t<decltype(task)>::Value;

@@ -77,6 +77,21 @@ bool sameCrs(const std::string& a, const std::string& b)
                                           PJ_COMP_EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS) != 0;
 }
 
+bool isInUnitsOf(const CoordinateUnits& units, const std::string& crs)
+{
+    constexpr double kSame = 1e-7;
+    if (units.horizontalSize <= 0.0) return true;
+    const proj::Context context = proj::makeContext();
+    if (!context) return true;
+    proj::Object object = objectOf(context.get(), crs);
+    if (object && proj_get_type(object.get()) == PJ_TYPE_COMPOUND_CRS)
+        object.reset(proj_crs_get_sub_crs(context.get(), object.get(), 0));
+    if (object && proj_get_type(object.get()) == PJ_TYPE_BOUND_CRS)
+        object.reset(proj_get_source_crs(context.get(), object.get()));
+    const double size = object ? proj::unitOfAxis(context.get(), object.get(), 0).size : 0.0;
+    return size <= 0.0 || std::abs(size / units.horizontalSize - 1.0) < kSame;
+}
+
 std::string crsName(const std::string& crs)
 {
     const proj::Context context = proj::makeContext();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/cloud/Units.h"
+
 #include <glm/vec3.hpp>
 
 #include <memory>
@@ -37,5 +39,9 @@ bool sameCrs(const std::string& a, const std::string& b);
 
 /// "NAD83 / UTM zone 10N"; the text itself where it is not understood.
 std::string crsName(const std::string& crs);
+
+/// Whether X and Y are in the unit of the system, and not in another that the file states beside it; true where one
+/// of them is not known.
+bool isInUnitsOf(const CoordinateUnits& units, const std::string& crs);
 
 }  // namespace punctum::las

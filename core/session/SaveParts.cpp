@@ -157,15 +157,16 @@ SaveOutcome Session::saveParts(SaveRequest request, Progress& progress)
 
     const std::lock_guard gate(m_gate);
     outcome.disturbed = m_edits != before;
-    bool rest = false;  // files that changed and were not written
-    for (std::size_t k = 0; k < changed.size(); ++k)
-        rest = rest || (changed[k] && std::find(which.begin(), which.end(), k) == which.end());
+    std::vector<bool> waiting = changed;  // files that changed and were not written
+    for (const std::size_t k : which) waiting[k] = false;
+    const bool rest = std::find(waiting.begin(), waiting.end(), true) != waiting.end();
     if (outcome.disturbed || (rest && !which.empty()))
         m_history->forgetSaved();
     else if (!rest)
         m_history->markSaved();
     if (!which.empty() || !rest) dropJournal();
-    m_unnotedTold = outcome.disturbed;  // whoever saves tells it
+    outcome.others = rest && !which.empty();
+    m_unnotedTold = outcome.disturbed || outcome.others;  // whoever saves tells it
     outcome.compared =
         request.compare && !outcome.disturbed && request.forecast && request.forecast->edits == before;
     if (outcome.compared) outcome.preview = std::move(request.forecast->preview);

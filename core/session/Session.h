@@ -57,6 +57,7 @@ struct SaveOutcome {
     las::SavePreview preview;        ///< A: the file before; B: the file now
     bool compared = false;           ///< it was asked for, there was a file, and no edit came in between
     bool disturbed = false;          ///< points were edited while the file was written: it lacks these edits
+    bool others = false;             ///< files that were not asked for have edits still, which no journal notes
 };
 
 /// What came of an edit.

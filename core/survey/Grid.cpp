@@ -23,9 +23,18 @@ bool isWhole(double v)
     return std::abs(v - std::round(v)) < 1e-6 && std::abs(v) < 0x1p52;
 }
 
+/// Whether a quotient of steps is a whole number: it is multiplied by coordinates of up to 2^31 steps, so that what
+/// a scale that once was a float differs by (0.01f, 2e-8) would be many steps.
+bool isFactor(double v)
+{
+    constexpr double kOfDecimals = 1e-13;  // rounding of decimals and their quotient, relative
+    const double whole = std::round(v);
+    return whole != 0.0 && std::abs(whole) < 0x1p31 && std::abs(v - whole) <= kOfDecimals * std::abs(whole);
+}
+
 bool isExact(const CoordinateScale& from, const CoordinateScale& to, int axis)
 {
-    return isWhole(from.scale[axis] / to.scale[axis]) && std::round(from.scale[axis] / to.scale[axis]) != 0.0 &&
+    return isFactor(from.scale[axis] / to.scale[axis]) &&
            isWhole((from.offset[axis] - to.offset[axis]) / to.scale[axis]);
 }
 
@@ -112,7 +121,13 @@ CommonGrid commonGrid(std::span<const GridOfPart> parts)
         all.include(part.bounds);
     }
     CommonGrid grid;
-    if (points.size() == 1) {
+    const auto reaches = [&](int axis) {
+        return all.empty() || holds(most->scale[axis], most->offset[axis], all.min[axis], all.max[axis]);
+    };
+    // The files' own coordinates fit, however strange their headers are; those from another system need not.
+    const bool moved = std::any_of(parts.begin(), parts.end(),
+                                   [](const GridOfPart& part) { return part.points == 0 && !part.bounds.empty(); });
+    if (points.size() == 1 && (!moved || (reaches(0) && reaches(1) && reaches(2)))) {
         grid.coordinates = *most;
         return grid;
     }

@@ -19,6 +19,7 @@ struct Survey::Member {
     RecordLinks links;
     GridChange grid;
     std::string from, to;     ///< coordinate systems, where the points are moved
+    double heights = 1.0;     ///< likewise: what heights are multiplied with then, for the unit of the others
     WorldBounds movedBounds;  ///< likewise: where they are then, as the header says
     /// Columns of its own, by field; null: the survey's are the field's, or are converted.
     std::vector<std::shared_ptr<Column>> own;

@@ -173,7 +173,11 @@ private:
 
     std::uint16_t encoding() const
     {
-        std::uint16_t bits = m_files.front()->header.globalEncoding() & las::encoding::kAdjustedGpsTime;
+        const auto timed = std::find_if(m_files.begin(), m_files.end(), [](const auto& file) {
+            return las::hasGpsTime(file->layout.shownFormat());
+        });
+        std::uint16_t bits = 0;
+        if (timed != m_files.end()) bits = (*timed)->header.globalEncoding() & las::encoding::kAdjustedGpsTime;
         const las::SourceFile* const first = firstWithCrs();
         if (las::isExtendedFormat(m_format) || (first != nullptr && first->header.says(las::encoding::kWkt)))
             bits |= las::encoding::kWkt;

@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 namespace punctum
 {
@@ -29,6 +30,7 @@ namespace
 {
 
 constexpr std::size_t kMostOpen = 64;  ///< files that stay open until they are read
+constexpr double kSameSize = 1e-7;     ///< of units, relative: a foot and a US survey foot differ by 2e-6
 constexpr std::size_t kMostNamed = 3;  ///< files named in one sentence
 
 /// A file that was opened, or why it could not be.
@@ -67,7 +69,40 @@ std::string listOf(const std::vector<std::string>& names)
     return text;
 }
 
+/// Changes from other coordinate systems into the survey's: PROJ takes milliseconds to make one, and thousands of
+/// files may have the same.
+class CrsChanges
+{
+public:
+    /// Null: the points cannot be converted.
+    const las::CrsChange* from(const std::string& crs, const std::string& to)
+    {
+        const auto [change, isNew] = m_changes.try_emplace(crs);
+        if (isNew) change->second = las::CrsChange::between(crs, to);
+        return change->second.get();
+    }
+
+private:
+    std::map<std::string, std::unique_ptr<las::CrsChange>> m_changes;
+};
+
+/// What heights are to be multiplied with after a change, where the units of two systems differ: PROJ converts them
+/// only where both systems say something on heights. Meters of the units; 0: not known.
+double heightFactor(const las::CrsChange& change, const glm::dvec3& place, double from, double to)
+{
+    if (from <= 0.0 || to <= 0.0) return 1.0;
+    std::vector<glm::dvec3> above{place, place + glm::dvec3(0.0, 0.0, 1.0)};
+    change(above);
+    const double done = above[1].z - above[0].z, wanted = from / to;
+    return std::abs(done - 1.0) < kSameSize && std::abs(wanted - 1.0) > kSameSize ? wanted : 1.0;
+}
+
 }  // namespace
+
+/// One changes coordinates for one thread.
+struct Survey::ChangesOfThreads {
+    tbb::enumerable_thread_specific<CrsChanges> own;
+};
 
 Survey::Survey() = default;
 
@@ -196,15 +231,32 @@ void Survey::unite()
 void Survey::compareFiles()
 {
     const std::string* crs = nullptr;
-    for (const Part& part : m_parts)
-        if (crs == nullptr && !part.source->crs.empty()) crs = &part.source->crs;
-    std::map<std::string, bool> same;  // by text: PROJ is asked once for each
+    const CoordinateUnits* units = nullptr;
+    const las::SourceFile* timed = nullptr;
+    for (const Part& part : m_parts) {
+        if (crs == nullptr && !part.source->crs.empty()) {
+            crs = &part.source->crs;
+            units = &part.source->units;
+        }
+        if (timed == nullptr && las::hasGpsTime(part.source->layout.shownFormat())) timed = part.source.get();
+    }
+    std::map<std::string, bool> same;                        // by text: PROJ is asked once for each
+    std::map<std::pair<std::string, double>, bool> inUnits;  // likewise
+    const auto inItsUnits = [&](const CoordinateUnits& of, const std::string& system) {
+        const auto [is, isNew] = inUnits.try_emplace({system, of.horizontalSize});
+        if (isNew) is->second = las::isInUnitsOf(of, system);
+        return is->second;
+    };
+    const auto sameSize = [](double a, double b) {
+        return a <= 0.0 || b <= 0.0 || std::abs(a / b - 1.0) < kSameSize;
+    };
+    CrsChanges changes;
     std::vector<std::string> moved, others, unknown, clocks;
     for (std::size_t k = 0; k < m_parts.size(); ++k) {
         Part& part = m_parts[k];
         const las::SourceFile& source = *part.source;
         if (las::hasGpsTime(source.layout.shownFormat()) &&
-            las::gpsClock(source.header) != las::gpsClock(m_parts[0].source->header))
+            las::gpsClock(source.header) != las::gpsClock(timed->header))
             clocks.push_back(nameOf(part.path));
         if (crs == nullptr || part.points.empty()) continue;
         if (source.crs.empty()) {
@@ -215,9 +267,15 @@ void Survey::compareFiles()
         const bool equal = known != same.end()
                                ? known->second
                                : same.emplace(source.crs, las::sameCrs(*crs, source.crs)).first->second;
-        if (equal) continue;
-        const auto change = las::CrsChange::between(source.crs, *crs);
-        if (!change || source.firstBounds.empty()) {
+        // a file may state another unit than its system has, which is believed
+        if (equal && sameSize(source.units.horizontalSize, units->horizontalSize) &&
+            sameSize(source.units.verticalSize, units->verticalSize))
+            continue;
+        const las::CrsChange* const change =
+            !equal && inItsUnits(source.units, source.crs) && inItsUnits(*units, *crs)
+                ? changes.from(source.crs, *crs)
+                : nullptr;
+        if (change == nullptr || source.firstBounds.empty()) {
             others.push_back(nameOf(part.path));
             continue;
         }
@@ -226,7 +284,10 @@ void Survey::compareFiles()
             corners.emplace_back((c & 1u) != 0 ? source.firstBounds.max.x : source.firstBounds.min.x,
                                  (c & 2u) != 0 ? source.firstBounds.max.y : source.firstBounds.min.y,
                                  (c & 4u) != 0 ? source.firstBounds.max.z : source.firstBounds.min.z);
+        const double heights = heightFactor(*change, 0.5 * (source.firstBounds.min + source.firstBounds.max),
+                                            source.units.verticalSize, units->verticalSize);
         (*change)(corners);
+        for (glm::dvec3& p : corners) p.z *= heights;
         WorldBounds bounds;
         for (const glm::dvec3& p : corners)
             if (!std::isnan(p.x)) bounds.include(WorldBounds{p, p});
@@ -236,6 +297,7 @@ void Survey::compareFiles()
         }
         part.moved = true;
         m_members[k]->movedBounds = bounds;
+        m_members[k]->heights = heights;
         m_members[k]->from = source.crs;
         m_members[k]->to = *crs;
         moved.push_back(nameOf(part.path));
@@ -247,12 +309,14 @@ void Survey::compareFiles()
     const std::string system = crs != nullptr ? las::crsName(*crs) : std::string();
     say(moved, " has another coordinate system; its points are shown in " + system + ", and saved as they are.",
         " have another coordinate system; their points are shown in " + system + ", and saved as they are.");
-    say(others, " has another coordinate system, which cannot be converted: its points may be in a wrong place.",
-        " have another coordinate system, which cannot be converted: their points may be in a wrong place.");
+    say(others,
+        " has another coordinate system or unit, which cannot be converted: its points may be in a wrong place.",
+        " have another coordinate system or unit, which cannot be converted: their points may be in a wrong "
+        "place.");
     say(unknown, " states no coordinate system; it is taken to be " + system + ".",
         " state no coordinate system; it is taken to be " + system + ".");
-    say(clocks, " counts GPS times in another way than the first file.",
-        " count GPS times in another way than the first file.");
+    say(clocks, " counts GPS times in another way than the first file that has them.",
+        " count GPS times in another way than the first file that has them.");
 }
 
 std::size_t Survey::partOf(PointIndex point) const noexcept
@@ -305,7 +369,8 @@ std::shared_ptr<PointCloud> Survey::readingView(std::size_t part)
     return view;
 }
 
-las::ReadResult Survey::readPart(std::size_t part, Progress& progress, const las::Reader::BatchSink& sink)
+las::ReadResult Survey::readPart(std::size_t part, ChangesOfThreads& changes, Progress& progress,
+                                 const las::Reader::BatchSink& sink)
 {
     const Part& p = m_parts[part];
     Member& member = *m_members[part];
@@ -326,8 +391,6 @@ las::ReadResult Survey::readPart(std::size_t part, Progress& progress, const las
     std::mutex mutex;
     RawBounds bounds;
     std::size_t beyond = 0;
-    tbb::enumerable_thread_specific<std::unique_ptr<las::CrsChange>> changes(
-        [&] { return las::CrsChange::between(member.from, member.to); });
 
     const auto place = [&](PointRange range) {
         const auto first = std::size_t(range.first), n = std::size_t(range.size());
@@ -335,7 +398,9 @@ las::ReadResult Survey::readPart(std::size_t part, Progress& progress, const las
         if (p.moved) {
             std::vector<glm::dvec3> points(n);
             for (std::size_t i = 0; i < n; ++i) points[i] = view->world(range.first + i);
-            if (const auto& change = changes.local()) (*change)(points);
+            if (const auto* const change = changes.own.local().from(member.from, member.to)) (*change)(points);
+            if (member.heights != 1.0)
+                for (glm::dvec3& point : points) point.z *= member.heights;
             for (std::size_t i = 0; i < n; ++i) {
                 const glm::dvec3 raw = m_cloud->coordinates().toRaw(points[i]);
                 for (int axis = 0; axis < 3; ++axis) {
@@ -403,12 +468,13 @@ las::ReadResult Survey::read(Progress& progress, const las::Reader::BatchSink& s
     const Progress::Whole whole(progress, "Reading points", m_cloud->size());
     std::vector<las::ReadResult> results(m_parts.size());
     std::vector<std::string> failures(m_parts.size());
+    ChangesOfThreads changes;
     const std::vector<std::uint32_t> order = las::spreadOrder(std::uint32_t(m_parts.size()));
     las::forEachInOrder(m_parts.size(), [&](std::vector<std::byte>&, std::size_t turn) {
         const std::size_t k = order[turn];
         progress.check();
         try {
-            results[k] = readPart(k, progress, sink);
+            results[k] = readPart(k, changes, progress, sink);
         } catch (const Error& e) {
             failures[k] = e.what();
         }
@@ -436,6 +502,9 @@ las::ReadResult Survey::read(Progress& progress, const las::Reader::BatchSink& s
         m_members[k]->reader.reset();
     }
     if (failed == m_parts.size()) throw Error(failures.front());
+    las::PointsAsRead read;
+    read.missing = all.missing;
+    source()->asRead->set(std::move(read));  // whoever writes all into one file leaves them out
     return all;
 }
 

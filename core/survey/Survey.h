@@ -20,11 +20,11 @@ class Progress;
 
 /// One or many LAS and LAZ files as one cloud.
 ///
-/// The points of the files follow one another, in the order of the paths, so that index and neighborhood, selection and edit know no files.
-/// Each attribute is there once (RecordUnion.h); points of a file that lacks it have no value (Column::absent()).
-/// X, Y and Z are in one grid (Grid.h), those of another coordinate system where the PROJ library puts them. What
-/// the survey's columns do not say exactly (coordinates of another grid, bytes that nobody described) each file
-/// keeps besides, so that partCloud() gives what the file held, but for the edits.
+/// The points of the files follow one another, in the order of the paths, so that index and neighborhood, selection
+/// and edit know no files. Each attribute is there once (RecordUnion.h); points of a file that lacks it have no
+/// value (Column::absent()). X, Y and Z are in one grid (Grid.h), those of another coordinate system where the PROJ
+/// library puts them. What the survey's columns do not say exactly (coordinates of another grid, bytes that nobody
+/// described) each file keeps besides, so that partCloud() gives what the file held, but for the edits.
 ///
 /// One file is its own survey: its cloud is the reader's.
 ///
@@ -74,6 +74,7 @@ public:
 
 private:
     struct Member;
+    struct ChangesOfThreads;
 
     Survey();
     void unite();
@@ -81,7 +82,8 @@ private:
     void compareFiles();
     std::shared_ptr<Column> ownColumn(const las::RecordField& field);
     std::shared_ptr<PointCloud> readingView(std::size_t part);
-    las::ReadResult readPart(std::size_t part, Progress& progress, const las::Reader::BatchSink& sink);
+    las::ReadResult readPart(std::size_t part, ChangesOfThreads& changes, Progress& progress,
+                             const las::Reader::BatchSink& sink);
     bool isOwn(std::size_t part, std::size_t field) const;
 
     std::shared_ptr<PointCloud> m_cloud;

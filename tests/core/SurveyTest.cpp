@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Many files as one cloud: what each of them was stays what it was, and edits know no files.
+#include "core/cloud/DistinctValues.h"
 #include "core/expression/Condition.h"
 #include "core/las/CrsChange.h"
 #include "core/las/Diff.h"
@@ -122,6 +123,9 @@ private slots:
         QVERIFY(std::isnan(red.number(5)) && red.lacks(5));
         QVERIFY(!std::isnan(red.number(kPoints + 5)));
         QCOMPARE(computeStatistics(red, 0, m_progress).count, std::uint64_t(kPoints));
+        std::uint64_t listed = 0;
+        for (const DistinctValue& one : distinctValues(red, 70'000, m_progress).values) listed += one.points;
+        QCOMPARE(listed, std::uint64_t(kPoints));
         std::vector<double> values(20);
         red.read({kPoints - 10, kPoints + 10}, values.data());
         for (std::size_t k = 0; k < 20; ++k) QCOMPARE(std::isnan(values[k]), k < 10);
@@ -291,10 +295,14 @@ private slots:
         session->edit(rule("UserData = 3 if UserData != 3"), m_progress);
         SaveRequest one;
         one.parts = {1};
-        QCOMPARE(session->save(one, m_progress).parts, std::vector<std::size_t>{1});
+        const SaveOutcome saved = session->save(one, m_progress);
+        QCOMPARE(saved.parts, std::vector<std::size_t>{1});
+        QVERIFY(saved.others);
         QVERIFY(session->history().modified());
         QCOMPARE(session->changedParts(m_progress), (std::vector<bool>{true, false}));
-        QCOMPARE(session->save({}, m_progress).parts, std::vector<std::size_t>{0});
+        const SaveOutcome rest = session->save({}, m_progress);
+        QCOMPARE(rest.parts, std::vector<std::size_t>{0});
+        QVERIFY(!rest.others);
         QVERIFY(!session->history().modified());
     }
 
@@ -371,6 +379,35 @@ private slots:
         }
     }
 
+    /// Steps that differ by the rounding of a float are other steps: far from the offset they are centimeters.
+    void stepsThatOnceWereFloats()
+    {
+        constexpr double kFar = 5'000'000.0;
+        tile("a.las", 1, kFar, kPoints, 0.01);
+        tile("b.las", 1, kFar + 100.0, kPoints, 0.01);
+        tile("c.las", 1, kFar + 200.0, kPoints, double(0.01F));
+        const auto session = opened({place("a.las"), place("b.las"), place("c.las")});
+        QCOMPARE(session->survey().warnings().size(), std::size_t(1));
+        QVERIFY(session->survey().warnings()[0].find("c.las") != std::string::npos);
+        const auto alone = las::load(place("c.las"), m_progress);
+        for (PointIndex i = 0; i < kPoints; ++i)
+            QVERIFY(std::abs(session->cloud()->world(2 * kPoints + i).x - alone->world(i).x) < 0.00501);
+    }
+
+    /// What comes from another coordinate system need not lie where one grid of all files reaches.
+    void oneGridReachesWhatIsMoved()
+    {
+        const CoordinateScale fine{glm::dvec3(0.0001), glm::dvec3(0.0)};
+        const std::vector<GridOfPart> parts{{fine, {glm::dvec3(0.0), glm::dvec3(1000.0)}, 100},
+                                            {fine, {glm::dvec3(430'000.0), glm::dvec3(431'000.0)}, 0}};
+        const CommonGrid grid = commonGrid(parts);
+        for (int axis = 0; axis < 3; ++axis) {
+            const double low = (0.0 - grid.coordinates.offset[axis]) / grid.coordinates.scale[axis],
+                         high = (431'000.0 - grid.coordinates.offset[axis]) / grid.coordinates.scale[axis];
+            QVERIFY(std::abs(low) < 0x1p31 && std::abs(high) < 0x1p31);
+        }
+    }
+
     void filesThatCannotBeReadAreSaid()
     {
         tile("a.las", 1, 0.0, kPoints);
@@ -415,6 +452,44 @@ private slots:
         QVERIFY(session->history().modified());
     }
 
+    /// Points that could not be read are no points of the one file.
+    void mergedWithoutWhatIsDamaged()
+    {
+        tile("a.las", 1, 0.0, kPoints);
+        tile("b.las", 1, 30.0, kPoints);
+        las::WriteOptions packed;
+        packed.compressed = true;
+        las::write(*las::load(place("b.las"), m_progress), place("b.laz"), packed, m_progress);
+        lasfiles::Bytes bytes = lasfiles::readFile(place("b.laz"));
+        for (std::size_t k = bytes.size() / 3; k < bytes.size() / 2; ++k) bytes[k] ^= std::byte(0x5A);
+        lasfiles::writeFile(place("b.laz"), bytes);
+
+        auto session = Session::open(std::vector{place("a.las"), place("b.laz")}, {}, m_progress);
+        const las::ReadResult result = session->read(m_progress);
+        PointIndex missing = 0;
+        for (const PointRange& range : result.missing) missing += range.size();
+        QVERIFY(missing != 0);
+        const las::WriteReport report = session->merge(place("one.las"), {}, m_progress);
+        QCOMPARE(report.points, 2 * kPoints - missing);
+        QCOMPARE(las::load(place("one.las"), m_progress)->size(), 2 * kPoints - missing);
+        QVERIFY(report.notes.front().find("could not be read") != std::string::npos);
+    }
+
+    /// A file without GPS times says nothing on those of the others.
+    void theClockIsThatOfTheFirstFileThatHasTimes()
+    {
+        constexpr std::size_t kEncodingAt = 6;
+        tile("a.las", 0, 0.0, kPoints);
+        tile("b.las", 1, 30.0, kPoints);
+        lasfiles::Bytes b = lasfiles::readFile(place("b.las"));
+        lasfiles::set(b, kEncodingAt, std::uint16_t(las::encoding::kAdjustedGpsTime));
+        lasfiles::writeFile(place("b.las"), b);
+        const auto session = opened({place("a.las"), place("b.las")});
+        QCOMPARE(session->survey().warnings().size(), std::size_t(0));
+        session->merge(place("one.las"), {}, m_progress);
+        QVERIFY(las::Reader::open(place("one.las"))->source()->header.says(las::encoding::kAdjustedGpsTime));
+    }
+
     /// Points of another system are shown where they belong, and saved as they were.
     void anotherCoordinateSystem()
     {
@@ -434,6 +509,28 @@ private slots:
         const auto back = las::CrsChange::between("EPSG:4326", crs);
         (*back)(there);
         QVERIFY(glm::length(there[0] - middle) < 1e-3);
+    }
+
+    /// Heights in feet among heights in meters, and files in another unit than their system has.
+    void heightsOfAnotherUnit()
+    {
+        const fs::path data = PUNCTUM_TEST_DATA;
+        const fs::path meters = data / "isprs/samp21.laz", feet = data / "test1_4.las";
+        if (!fs::exists(meters) || !fs::exists(feet)) QSKIP("The test data is missing.");
+        const auto session = opened({meters, feet});
+        const std::vector<SessionPart> files = session->parts();
+        const std::size_t part = files[0].path == feet ? 0 : 1;
+        QVERIFY(session->survey().parts()[part].moved);
+        const auto alone = las::load(feet, m_progress);
+        constexpr double kFoot = 1200.0 / 3937.0;
+        for (PointIndex i = 0; i < alone->size(); i += 7)
+            QVERIFY(std::abs(session->cloud()->world(files[part].points.first + i).z - alone->world(i).z * kFoot) <
+                    0.02);
+        const auto a = las::Reader::open(feet);
+        QVERIFY(las::isInUnitsOf(a->source()->units, a->source()->crs));
+        CoordinateUnits other = a->source()->units;
+        other.horizontalSize = 1.0;
+        QVERIFY(!las::isInUnitsOf(other, a->source()->crs));
     }
 
 private:

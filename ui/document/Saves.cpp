@@ -149,6 +149,11 @@ void Saves::startSave(const std::shared_ptr<Saving>& saving)
                     m_workspace.say(MessageKind::Warning,
                                     tr("Points were edited while the file was written. It lacks these edits, and a "
                                        "crash would lose them: save once more."));
+                else if (saving->outcome.others)
+                    m_workspace.say(
+                        MessageKind::Warning,
+                        tr("The other files have edits that are not saved, and a crash would lose them: "
+                           "save them, too."));
                 if (saving->document) {
                     saving->document->setSavedAs(saving->target, save);
                     countUnsaved(*saving->document);
