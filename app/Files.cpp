@@ -80,7 +80,11 @@ std::vector<fs::path> inputFiles(const std::vector<std::string>& words, Progress
         if (found.files.empty()) throw Error(word, "There is no LAS or LAZ file in it.");
         if (found.closedFolders != 0)
             note(word + ": " + grouped(found.closedFolders) + " of its folders could not be read.");
-        if (found.remote != 0) note(word + ": " + grouped(found.remote) + " files on servers are left out.");
+        if (found.remote != 0)
+            note(word + ": " +
+                 (found.remote == 1 ? std::string("1 file on a server is")
+                                    : grouped(found.remote) + " files on servers are") +
+                 " left out.");
         files.insert(files.end(), found.files.begin(), found.files.end());
     }
     return files;

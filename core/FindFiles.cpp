@@ -31,19 +31,32 @@ bool look(const std::filesystem::path& folder, FoundFiles& found, std::vector<st
             if (gone) continue;
             found.files.push_back(entry->path());
             found.bytes += size;
+            found.memory += likelyMemory(entry->path(), size);
             progress.add(1);
         }
     }
     return !error;
 }
 
-}  // namespace
-
-bool isCloudName(const std::filesystem::path& path)
+std::string endingOf(const std::filesystem::path& path)
 {
     std::string ending = path.extension().string();
     std::transform(ending.begin(), ending.end(), ending.begin(),
                    [](unsigned char c) { return char(std::tolower(c)); });
+    return ending;
+}
+
+}  // namespace
+
+std::uint64_t likelyMemory(const std::filesystem::path& file, std::uint64_t bytes)
+{
+    constexpr std::uint64_t kUnpacked = 7;
+    return endingOf(file) == ".laz" ? kUnpacked * bytes : bytes;
+}
+
+bool isCloudName(const std::filesystem::path& path)
+{
+    const std::string ending = endingOf(path);
     return ending == ".las" || ending == ".laz";
 }
 
@@ -80,7 +93,9 @@ void addFilesOf(const std::filesystem::path& place, FoundFiles& found, Progress&
         progress.check();
         const std::uintmax_t size = std::filesystem::file_size(file, unknown);
         found.files.push_back(file);
-        found.bytes += unknown ? 0 : size;  // what is not there is said when it is opened
+        if (unknown) continue;  // what is not there is said when it is opened
+        found.bytes += size;
+        found.memory += likelyMemory(file, size);
     }
     found.remote += cloud.remote;
 }

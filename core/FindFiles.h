@@ -14,9 +14,13 @@ class Progress;
 struct FoundFiles {
     std::vector<std::filesystem::path> files;  ///< of each folder in the order of their names
     std::uint64_t bytes = 0;                   ///< of all of them together
+    std::uint64_t memory = 0;                  ///< likelyMemory() of all of them
     std::size_t closedFolders = 0;             ///< folders inside that could not be read
     std::size_t remote = 0;                    ///< named by a virtual point cloud, but on a server
 };
+
+/// About what a file needs in memory once it is read: LAZ unpacks to about 7 times its size.
+std::uint64_t likelyMemory(const std::filesystem::path& file, std::uint64_t bytes);
 
 /// Whether the name ends in .las or .laz, in any case.
 bool isCloudName(const std::filesystem::path& path);

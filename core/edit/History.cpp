@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/edit/History.h"
 
+#include "core/MachineMemory.h"
 #include "core/edit/Command.h"
 #include "core/edit/Journal.h"
 #include "core/edit/SpillFile.h"
@@ -8,8 +9,6 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
-
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -98,8 +97,7 @@ bool hasMember(const PointSet& points, PointRange range)
 std::size_t HistoryRoom::defaultMemory() noexcept
 {
     constexpr std::size_t kLeast = std::size_t(256) << 20;
-    const long pages = ::sysconf(_SC_PHYS_PAGES), bytes = ::sysconf(_SC_PAGESIZE);
-    return pages > 0 && bytes > 0 ? std::max(kLeast, std::size_t(pages) / 16 * std::size_t(bytes)) : kLeast;
+    return std::max(kLeast, std::size_t(machineMemory() / 16));
 }
 
 void History::push(std::unique_ptr<Command> command)

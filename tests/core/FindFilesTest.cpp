@@ -55,6 +55,11 @@ private slots:
                                                           root / "deep/link.laz", root / "folder.las/y.las"};
         QVERIFY(found.files == expected);
         QCOMPARE(found.bytes, std::uint64_t(3 + 4 * 5));
+        QCOMPARE(likelyMemory("a.las", 10), std::uint64_t(10));
+        QCOMPARE(likelyMemory("a.LAZ", 10), std::uint64_t(70));
+        std::uint64_t memory = 0;
+        for (const auto& file : found.files) memory += likelyMemory(file, std::filesystem::file_size(file));
+        QCOMPARE(found.memory, memory);
         QCOMPARE(found.closedFolders, std::size_t(0));
     }
 

@@ -66,6 +66,12 @@ QString shownValue(const Attribute& attribute, const Value& value)
     return localNumber(toQString(punctum::valueText(attribute, value)));
 }
 
+QString shownValueOf(const Attribute& attribute, PointIndex point, std::uint32_t component)
+{
+    if (attribute.lacks(point, component)) return QStringLiteral("none");
+    return shownValue(attribute, attribute.value(point, component));
+}
+
 QString valueText(const Value& value)
 {
     return localNumber(toQString(toText(value)));

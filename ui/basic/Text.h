@@ -25,6 +25,8 @@ QString numberText(double value, double width = 0.0);
 QString plainNumber(double value, double width = 0.0);
 /// A value of an attribute, exact: core/cloud/ValueText.h.
 QString shownValue(const Attribute& attribute, const Value& value);
+/// Of a point: "none" where its file lacks the attribute. Hold the cloud's mutex shared.
+QString shownValueOf(const Attribute& attribute, PointIndex point, std::uint32_t component = 0);
 /// A whole number in full.
 QString valueText(const Value& value);
 /// A coordinate with the decimals of the file's scale and offset: "637,012.24". A stored one is exact.

@@ -34,9 +34,9 @@ QString attributeText(const Attribute& attribute, PointIndex index)
 {
     QStringList parts;
     for (std::uint32_t c = 0; c < attribute.components; ++c)
-        parts << shownValue(attribute, attribute.value(index, c));
+        parts << shownValueOf(attribute, index, c);
     QString text = parts.join(QLatin1String(", "));
-    if (attribute.kind == AttributeKind::Class)
+    if (attribute.kind == AttributeKind::Class && !attribute.lacks(index))
         text = classText(unsigned(std::clamp(attribute.number(index), 0.0, 255.0)));
     return text;
 }

@@ -30,7 +30,7 @@ QString pickedValue(const Attribute& attribute, PointIndex index)
     for (std::uint32_t c = 0; c < attribute.components; ++c)
         parts << (attribute.kind == AttributeKind::Vector
                       ? localNumber(QString::number(attribute.number(index, c), 'f', 3))
-                      : shownValue(attribute, attribute.value(index, c)));
+                      : shownValueOf(attribute, index, c));
     return parts.join(QStringLiteral(", "));
 }
 

@@ -2,6 +2,7 @@
 #include "ui/window/Opener.h"
 
 #include "core/FindFiles.h"
+#include "core/MachineMemory.h"
 #include "core/task/Progress.h"
 #include "ui/basic/Text.h"
 #include "ui/document/Workspace.h"
@@ -28,8 +29,7 @@ namespace punctum::ui
 namespace
 {
 
-constexpr std::size_t kAskFrom = 200;  ///< files of folders: more are asked about
-constexpr int kRememberPause = 200;    // ms: files that are opened together are written down together
+constexpr int kRememberPause = 200;  // ms: files that are opened together are written down together
 
 QStringList localFiles(const QMimeData& data)
 {
@@ -46,11 +46,18 @@ struct Opener::Search {
     QStringList places;  ///< folders and virtual point clouds among what was named
     QStringList files;   ///< named, or found
     FoundFiles found;    ///< in those places alone
-    bool alone = false;  ///< one thing was named
+    std::uint64_t bytes = 0,
+                  memory = 0;  ///< of all of them: on the disk, and about what they need once they are read
+    bool alone = false;        ///< one thing was named
 };
 
 Opener::Opener(QWidget& window, Workspace& workspace, Viewport& view, WindowSettings& settings)
-    : QObject(&window), m_window(window), m_workspace(workspace), m_view(view), m_settings(settings)
+    : QObject(&window),
+      m_window(window),
+      m_workspace(workspace),
+      m_view(view),
+      m_settings(settings),
+      m_memory(machineMemory())
 {
     // Of the whole program: fields that take text would else take the name of a file that is dropped on them.
     QCoreApplication::instance()->installEventFilter(this);
@@ -108,6 +115,11 @@ void Opener::open(const QStringList& paths)
                 const std::filesystem::path place = findPath(path);
                 if (!standsForFiles(place)) {
                     search->files << path;
+                    std::error_code unknown;  // what is not there is said when it is opened
+                    if (const auto size = std::filesystem::file_size(place, unknown); !unknown) {
+                        search->bytes += size;
+                        search->memory += likelyMemory(place, size);
+                    }
                     continue;
                 }
                 const auto first = search->found.files.size();
@@ -116,6 +128,8 @@ void Opener::open(const QStringList& paths)
                 for (std::size_t k = first; k < search->found.files.size(); ++k)
                     search->files << toQString(search->found.files[k]);
             }
+            search->bytes += search->found.bytes;
+            search->memory += search->found.memory;
         },
         [this, search](const JobInfo& info) {
             if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
@@ -153,16 +167,23 @@ void Opener::openFound(const Search& search)
                           origin = search.alone && one ? search.places.front() : QString()] {
         m_workspace.open(files, origin);
     };
-    if (search.found.files.size() < kAskFrom || !m_workspace.askQuestion) return openAll();
-    const QString count = countText(search.found.files.size());
-    m_workspace.askQuestion({one ? tr("%1 has %2 LAS and LAZ files.").arg(name, count)
-                                 : tr("There are %1 LAS and LAZ files.").arg(count),
-                             tr("Together they take %1 on the disk. All of them are read into memory.")
-                                 .arg(bytesText(search.found.bytes)),
-                             tr("&Open All")},
-                            [openAll, guard = QPointer<Opener>(this)](bool wanted) {
-                                if (wanted && guard) openAll();
-                            });
+    const bool large = m_memory != 0 && search.memory > m_memory / 2;
+    if (!large || search.files.isEmpty() || !m_workspace.askQuestion) return openAll();
+    const auto files = std::size_t(search.files.size());
+    m_workspace.askQuestion(
+        {files == 1 ? tr("%1 may not fit into memory.").arg(QFileInfo(search.files.front()).fileName())
+         : one      ? tr("%1 may not fit into memory.").arg(name)
+                    : tr("These files may not fit into memory."),
+         (files == 1 ? tr("The file takes %1 on the disk, and about %2 once it is read; this machine "
+                          "has %3.")
+                     : tr("The %1 files take %2 on the disk, and about %3 once they are read; this "
+                          "machine has %4.")
+                           .arg(countText(files)))
+             .arg(bytesText(search.bytes), bytesText(search.memory), bytesText(m_memory)),
+         files == 1 ? tr("&Open") : tr("&Open All")},
+        [openAll, guard = QPointer<Opener>(this)](bool wanted) {
+            if (wanted && guard) openAll();
+        });
 }
 
 // -- recent ones

@@ -20,8 +20,8 @@ class Workspace;
 
 /// How the user opens files: by dialogs, by dropping them anywhere on the window, from the list of recent ones, on
 /// the command line. What is named together is one document. Folders stand for the LAS and LAZ files in them and in
-/// all folders inside, virtual point clouds for the files that they name; they are searched by a job, and many
-/// files are asked about first.
+/// all folders inside, virtual point clouds for the files that they name; they are searched by a job. Files that
+/// are likely to need more than half of the memory are asked about first.
 ///
 /// GUI thread only. A child of the window; borrows what it is made with.
 class Opener final : public QObject
@@ -40,6 +40,9 @@ public:
     QStringList recentFiles() const;
     void clearRecentFiles();
 
+    /// Bytes, in place of what the machine has.
+    void setMachineMemory(std::uint64_t bytes) { m_memory = bytes; }
+
     bool eventFilter(QObject* watched, QEvent* event) override;
 
 signals:
@@ -57,6 +60,7 @@ private:
     Workspace& m_workspace;
     Viewport& m_view;
     WindowSettings& m_settings;
+    std::uint64_t m_memory;    ///< bytes that the machine has; 0: not known
     QStringList m_remembered;  ///< newest last, not yet written down
     QTimer m_rememberTimer;
 };
