@@ -226,6 +226,10 @@ CloudKey Session::fileKey(Progress& progress) const
             throw Error(current.path, "another program changed the file since it was saved.");
     }
     if (!saved) return keyOf(*m_cloud, progress);
+    // whoever opens them has them in the order of their paths, and their points in it
+    if (!std::is_sorted(paths.begin(), paths.end()))
+        throw Error(
+            "the files come in another order where they were saved than where they were opened. Open them there.");
     const auto again = Survey::open(paths, progress);
     if (hasColumnsOf(*m_cloud, *again->cloud())) return keyOf(*m_cloud, progress, keptPoints().get());
     again->read(progress, {});

@@ -94,6 +94,7 @@ Session::~Session() = default;
 las::ReadResult Session::read(Progress& progress, const las::Reader::BatchSink& sink)
 {
     las::ReadResult result = m_survey->read(progress, sink);
+    const std::lock_guard lock(m_mutex);  // who shows the files asks while they are read
     for (const PointRange& gone : result.missing)
         if (!gone.empty()) m_damagedParts[m_survey->partOf(gone.first)] = true;
     if (!result.missing.empty()) m_damaged = true;
@@ -103,6 +104,7 @@ las::ReadResult Session::read(Progress& progress, const las::Reader::BatchSink& 
 std::vector<SessionPart> Session::parts() const
 {
     std::vector<SessionPart> parts;
+    const std::lock_guard lock(m_mutex);
     for (const Survey::Part& part : m_survey->parts())
         parts.push_back({part.source->current->get().path, part.points, part.source, m_damagedParts[parts.size()]});
     return parts;
@@ -225,7 +227,7 @@ void Session::noteDown(Progress& progress) noexcept
             return tell("edits came before, and a journal begins with what is in the file. Save once.");
         const CloudKey key = fileKey(progress);
         std::vector<fs::path> files;
-        for (const Survey::Part& part : m_survey->parts()) files.push_back(part.path);
+        for (const SessionPart& part : parts()) files.push_back(part.path);  // as they were last saved
         std::shared_ptr<Journal> journal =
             Journal::create(journalPath(key), key, journalFiles(files), keptPoints());
         if (!journal->setAside().empty())

@@ -195,12 +195,12 @@ private:
     std::filesystem::path m_folder;  ///< of journals; empty: none are kept
     std::unique_ptr<History> m_history;
     std::atomic<bool> m_damaged = false;
-    std::vector<bool> m_damagedParts;  ///< complete once the points are read
+    std::vector<bool> m_damagedParts;  ///< complete once the points are read; guarded by m_mutex till then
     /// Held while the history moves, and while "saved" is noted down: a save never marks an edit that it missed.
     mutable std::mutex m_gate;
     std::atomic<std::uint64_t> m_edits = 0;  ///< counted with m_gate held, before anything changes
     bool m_unnotedTold = false;              ///< that edits are not noted down; guarded by m_gate
-    mutable std::mutex m_mutex;              ///< guards what follows
+    mutable std::mutex m_mutex;              ///< guards m_damagedParts, and what follows
     std::filesystem::path m_path;            ///< path()
     /// How path() would be written, found out when it was last looked at, and after how many edits.
     mutable std::shared_ptr<const las::WritePlan> m_plan;

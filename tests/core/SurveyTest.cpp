@@ -355,6 +355,52 @@ private slots:
         QVERIFY(valuesOf(*session) == expected);
     }
 
+    /// What is edited after files were saved into another folder is noted as edits of the files there.
+    void journalsNameTheFilesThatAreThere()
+    {
+        tile("a.las", 1, 0.0, kPoints);
+        tile("b.las", 1, 30.0, kPoints);
+        HistoryRoom room;
+        room.folder = place("journals");
+        fs::create_directory(room.folder);
+        fs::create_directory(place("there"));
+        {
+            const auto session = Session::open(std::vector{place("a.las"), place("b.las")}, room, m_progress);
+            session->read(m_progress);
+            session->edit(rule("UserData = 5 if UserData < 100"), m_progress);
+            session->save({.target = place("there")}, m_progress);
+            session->edit(rule("UserData = 6 if UserData == 5"), m_progress);
+        }
+        const auto kept = keptJournals(room.folder, m_progress);
+        QCOMPARE(kept.size(), std::size_t(1));
+        QCOMPARE(kept[0].files, (std::vector<fs::path>{place("there/a.las"), place("there/b.las")}));
+        const auto session = Session::open(kept[0].files, room, m_progress);
+        session->read(m_progress);
+        const auto found = session->findJournal(m_progress);
+        QVERIFY(found.has_value());
+        QCOMPARE(session->recover(*found, m_progress).stopped, std::string());
+    }
+
+    /// A journal of points in another order than they are found in would be of no use: that is said.
+    void filesThatChangeTheirOrderAreNotNoted()
+    {
+        HistoryRoom room;
+        room.folder = place("journals");
+        for (const char* folder : {"journals", "there", "d1", "d2"}) fs::create_directory(place(folder));
+        tile("d1/b.las", 1, 0.0, kPoints);
+        tile("d2/a.las", 1, 30.0, kPoints);
+        const auto session = Session::open(std::vector{place("d1/b.las"), place("d2/a.las")}, room, m_progress);
+        session->read(m_progress);
+        session->edit(rule("UserData = 5 if UserData < 100"), m_progress);
+        session->save({.target = place("there")}, m_progress);
+        QVERIFY(session->takeWarnings().empty());
+        session->edit(rule("UserData = 6 if UserData == 5"), m_progress);
+        QVERIFY(session->history().journal() == nullptr);
+        const auto warnings = session->takeWarnings();
+        QCOMPARE(warnings.size(), std::size_t(1));
+        QVERIFY(warnings[0].find("another order") != std::string::npos);
+    }
+
     /// Coordinates of files with other steps and origins are the same numbers in the survey.
     void otherGridsAreExact()
     {
