@@ -14,6 +14,7 @@ namespace
 {
 
 constexpr std::size_t kBlock = 1024;
+constexpr std::uint32_t kBlack = 0xFF000000u, kNoColor = 0xFF808080u;  ///< the latter as ResolveSettings::noValue
 
 WordKind wordKindOf(const Attribute& a) noexcept
 {
@@ -55,7 +56,11 @@ int colorShiftOf(std::vector<std::uint32_t>& largest) noexcept
 }
 
 AttributeEncoder::AttributeEncoder(Attribute attribute, double bias, int colorShift)
-    : m_attribute(std::move(attribute)), m_kind(wordKindOf(m_attribute)), m_bias(bias), m_colorShift(colorShift)
+    : m_attribute(std::move(attribute)),
+      m_kind(wordKindOf(m_attribute)),
+      m_bias(bias),
+      m_colorShift(colorShift),
+      m_lacking(m_kind == WordKind::Color && !m_attribute.columns[0]->absent().empty())
 {
 }
 
@@ -120,6 +125,16 @@ void AttributeEncoder::markSelected(const Points& points, std::size_t count, std
     }
 }
 
+/// Points of files without colors are not black.
+template <typename Points>
+void AttributeEncoder::markWithoutColor(const Points& points, std::size_t count, std::uint32_t* words) const
+{
+    for (std::size_t k = 0; k < count; ++k)
+        if (const PointIndex i = pointAt(points, k);
+            words[k] == kBlack && m_attribute.lacks(i, 0) && m_attribute.lacks(i, 1) && m_attribute.lacks(i, 2))
+            words[k] = kNoColor;
+}
+
 /// `part(at, n)`: which points the n from `at` on are.
 template <typename Part>
 std::size_t AttributeEncoder::encodeParts(std::size_t count, const Part& part, std::uint32_t* out) const
@@ -152,6 +167,7 @@ std::size_t AttributeEncoder::encodeParts(std::size_t count, const Part& part, s
             m_attribute.gatherBits(points, channels[1], 1);
             m_attribute.gatherBits(points, channels[2], 2);
             cut += packColors(channels, m_colorShift, n, words);
+            if (m_lacking) markWithoutColor(points, n, words);
         }
         if (m_selection) markSelected(points, n, words);
     }

@@ -56,6 +56,8 @@ public:
     std::size_t encode(PointRange range, std::uint32_t* out) const;
 
 private:
+    template <typename Points>
+    void markWithoutColor(const Points& points, std::size_t count, std::uint32_t* words) const;
     template <typename Part>
     void markSelected(const Part& points, std::size_t count, std::uint32_t* words) const;
     template <typename Part>
@@ -65,6 +67,7 @@ private:
     WordKind m_kind;
     double m_bias;
     int m_colorShift;
+    bool m_lacking;  ///< colors, which some files of a survey lack
     std::shared_ptr<const PointSet> m_selection;
 };
 

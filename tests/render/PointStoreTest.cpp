@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/expression/Rule.h"
 #include "core/task/Progress.h"
+#include "render/store/AttributeEncoder.h"
 #include "render/store/PointStore.h"
 #include "tests/render/SyntheticCloud.h"
 
@@ -26,6 +27,7 @@ private Q_SLOTS:
     void eightBitColorsAreShownAsSuch();
     void bitDepthOfColors_data();
     void bitDepthOfColors();
+    void filesWithoutColorsAreNotBlack();
     void gpsTimeKeepsItsDigits();
     void editsReachVisibleSlotsFirst();
     void previewIsShownInsteadAndTakenBack();
@@ -205,6 +207,24 @@ void PointStoreTest::bitDepthOfColors()
     QVERIFY(again < 5);
     QTEST(store.encoder()->colorShift(), "shift");
     if (white > 0) QCOMPARE(store.words()[store.order().slotOf(0)], 0xFFFFFFFFu);
+}
+
+void PointStoreTest::filesWithoutColorsAreNotBlack()
+{
+    Attribute color;
+    color.kind = AttributeKind::Color;
+    color.components = 3;
+    for (auto& column : color.columns) {
+        column = std::make_shared<Column>("c", ScalarType::U16, 6);
+        column->setAbsent({{0, 3}});
+    }
+    color.columns[1]->values<std::uint16_t>()[1] = 7;  // an edit gave it one
+    const AttributeEncoder encoder(color, 0.0, 0);
+    std::uint32_t words[6];
+    encoder.encode(PointRange{0, 6}, words);
+    for (const int k : {0, 2}) QCOMPARE(words[k], 0xFF808080u);
+    QCOMPARE(words[1], 0xFF000700u);
+    for (const int k : {3, 4, 5}) QCOMPARE(words[k], 0xFF000000u);
 }
 
 void PointStoreTest::gpsTimeKeepsItsDigits()
