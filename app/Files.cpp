@@ -118,17 +118,25 @@ std::shared_ptr<Session> loadForWriting(const std::vector<fs::path>& in, const O
 las::WriteReport saveSession(Session& session, const Output& out, const las::WriteOptions& options,
                              Progress& progress)
 {
+    std::error_code error;
+    bool made = false;
     if (out.folder) {
-        std::error_code error;
-        fs::create_directory(out.path, error);
+        if (fs::exists(out.path, error) && !fs::is_directory(out.path, error))
+            throw Error(out.path, "This is a file; the files of a survey need a folder to go to.");
+        made = fs::create_directory(out.path, error);
         if (error) throw Error(out.path, "The folder could not be made: " + error.message() + ".");
     }
-    return withHints([&] {
-        if (session.many() && !out.folder) return session.merge(out.path, options, progress);
-        const bool named = out.folder && !session.many();
-        const fs::path target = named ? out.path / session.path().filename() : out.path;
-        return session.save({.target = target, .options = options, .compare = false}, progress).report;
-    });
+    try {
+        return withHints([&] {
+            if (session.many() && !out.folder) return session.merge(out.path, options, progress);
+            const bool named = out.folder && !session.many();
+            const fs::path target = named ? out.path / session.path().filename() : out.path;
+            return session.save({.target = target, .options = options, .compare = false}, progress).report;
+        });
+    } catch (...) {
+        if (made) fs::remove(out.path, error);  // nothing is in it: all files are written, or none
+        throw;
+    }
 }
 
 las::WriteReport withHints(const std::function<las::WriteReport()>& write)

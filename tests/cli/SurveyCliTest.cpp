@@ -4,6 +4,8 @@
 #include "tests/cli/Program.h"
 
 #include <QDir>
+#include <QFile>
+#include <QFileInfo>
 #include <QImage>
 #include <QJsonArray>
 #include <QTemporaryDir>
@@ -127,6 +129,21 @@ private slots:
             if (first.isNull()) first = picture;
             QVERIFY2(picture == first, qPrintable(way.first()));
         }
+    }
+
+    void whatCannotBeWrittenLeavesNothing()
+    {
+        const Outcome lossy = runPunctum({"convert", path("tiles"), path("never"), "--point-format", "0"});
+        PUNCTUM_EXIT(lossy, 1);
+        QVERIFY2(lossy.err.contains("--lossy"), qPrintable(lossy.err));
+        QVERIFY(!QFileInfo::exists(path("never")));
+        QFile plain(path("plain"));
+        QVERIFY(plain.open(QIODevice::WriteOnly) && plain.write("mine") == 4);
+        plain.close();
+        const Outcome taken = runPunctum({"convert", path("tiles"), path("plain")});
+        PUNCTUM_EXIT(taken, 1);
+        QVERIFY2(taken.err.contains("plain: This is a file"), qPrintable(taken.err));
+        QCOMPARE(QFileInfo(path("plain")).size(), qint64(4));
     }
 
     void whatCannotBeIsSaid()

@@ -239,6 +239,18 @@ private slots:
         QCOMPARE(localNumber(QStringLiteral("1234567.5"), QLocale(QLocale::French)),
                  QStringLiteral("1\u202f234\u202f567,5"));
     }
+    /// A point of a file that lacks the attribute has no 0.
+    void pointsWithoutAValueHaveNone()
+    {
+        Attribute red;
+        red.name = "Red";
+        red.columns[0] = std::make_shared<Column>("Red", ScalarType::U16, 4);
+        red.columns[0]->setAbsent({{0, 2}});
+        red.columns[0]->values<std::uint16_t>()[3] = 12;
+        QCOMPARE(shownValueOf(red, 1), QStringLiteral("none"));
+        QCOMPARE(shownValueOf(red, 2), QStringLiteral("0"));
+        QCOMPARE(shownValueOf(red, 3), QStringLiteral("12"));
+    }
     void pathsKeepTheirBytes_data()
     {
         QTest::addColumn<QByteArray>("bytes");
