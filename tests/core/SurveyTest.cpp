@@ -532,8 +532,19 @@ private slots:
         lasfiles::writeFile(place("b.las"), b);
         const auto session = opened({place("a.las"), place("b.las")});
         QCOMPARE(session->survey().warnings().size(), std::size_t(0));
-        session->merge(place("one.las"), {}, m_progress);
+        QVERIFY(session->merge(place("one.las"), {}, m_progress).notes.empty());
         QVERIFY(las::Reader::open(place("one.las"))->source()->header.says(las::encoding::kAdjustedGpsTime));
+        // what one file cannot say of all is told
+        tile("c.las", 3, 60.0, kPoints);
+        tile("d.las", 4, 90.0, kPoints);
+        const auto mixed = opened({place("a.las"), place("b.las"), place("c.las"), place("d.las")});
+        const auto notes = mixed->merge(place("all.las"), {}, m_progress).notes;
+        const auto tells = [&](const char* what) {
+            return std::any_of(notes.begin(), notes.end(),
+                               [&](const std::string& note) { return note.find(what) != std::string::npos; });
+        };
+        QVERIFY(tells("GPS times in different ways"));
+        QVERIFY(tells("waveforms stay"));
     }
 
     /// Points of another system are shown where they belong, and saved as they were.

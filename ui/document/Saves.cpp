@@ -261,11 +261,12 @@ void Saves::merge(Document& document, const QString& path)
         },
         [this, saving, report](const JobInfo& info) {
             if (info.state == JobState::Failed) m_workspace.say(MessageKind::Error, toQString(info.error));
-            if (info.state == JobState::Finished)
-                m_workspace.say(MessageKind::Info,
-                                tr("Saved all files as %1: %2, %3. The files stay open as they are.")
-                                    .arg(toQString(saving->target.filename()), pointsText(report->points),
-                                         bytesText(report->bytes)));
+            if (info.state != JobState::Finished) return;
+            QString sentence = tr("Saved all files as %1: %2, %3. The files stay open as they are.")
+                                   .arg(toQString(saving->target.filename()), pointsText(report->points),
+                                        bytesText(report->bytes));
+            for (const std::string& note : report->notes) sentence += QLatin1Char(' ') + toQString(note);
+            m_workspace.say(MessageKind::Info, sentence);
         });
 }
 
