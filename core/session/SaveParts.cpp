@@ -3,7 +3,6 @@
 #include "core/Text.h"
 #include "core/edit/CloudKey.h"
 #include "core/edit/Journal.h"
-#include "core/las/GpsTime.h"
 #include "core/las/SaveTogether.h"
 #include "core/las/SourceFile.h"
 #include "core/session/Session.h"
@@ -188,21 +187,7 @@ las::WriteReport Session::merge(const fs::path& target, las::WriteOptions option
     options.compressed = las::isCompressedName(target);
     options.copyChunks = false;
     las::WriteReport report = las::write(*m_cloud, target, options, progress);
-    const auto files = parts();
-    const SessionPart* timed = nullptr;
-    bool clocks = false, waveforms = false;
-    for (const SessionPart& part : files) {
-        const las::SourceFile& source = *part.source;
-        waveforms = waveforms || las::hasWaveform(source.layout.format);
-        if (part.points.empty() || !las::hasGpsTime(source.layout.shownFormat())) continue;
-        if (timed == nullptr) timed = &part;
-        clocks = clocks || las::gpsClock(source.header) != las::gpsClock(timed->source->header);
-    }
-    if (clocks)
-        report.notes.emplace_back(
-            "The files count GPS times in different ways; in the one file each number is as it was.");
-    if (waveforms)
-        report.notes.emplace_back("The waveforms stay with the files that they came with; the one file has none.");
+    addOneFileNotes(parts(), report.notes);
     return report;
 }
 

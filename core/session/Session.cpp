@@ -395,7 +395,9 @@ las::WriteReport Session::extract(const PointSet& points, const fs::path& target
                 "this is a file that is open; points that are left out would be lost. Choose another name.");
     options.compressed = las::isCompressedName(target);
     options.copyChunks = false;
-    return las::write(*extracted(*m_cloud, points, progress), target, options, progress);
+    las::WriteReport report = las::write(*extracted(*m_cloud, points, progress), target, options, progress);
+    if (many()) addOneFileNotes(parts(), report.notes);
+    return report;
 }
 
 }  // namespace punctum

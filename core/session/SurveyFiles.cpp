@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "core/session/SurveyFiles.h"
 
+#include "core/las/GpsTime.h"
+#include "core/las/SourceFile.h"
+
 #include <algorithm>
 #include <system_error>
 
@@ -93,6 +96,24 @@ std::string unsavedInSurvey(const std::optional<std::vector<AttributeChange>>& c
     const std::string what = las::summary(difference);
     const std::string where = std::to_string(files) + " of " + std::to_string(changedParts.size()) + " files";
     return what.empty() ? "edits in " + where : what + ", in " + where;
+}
+
+void addOneFileNotes(const std::vector<SessionPart>& files, std::vector<std::string>& notes)
+{
+    const SessionPart* timed = nullptr;
+    bool clocks = false, waveforms = false;
+    for (const SessionPart& part : files) {
+        const las::SourceFile& source = *part.source;
+        waveforms = waveforms || las::hasWaveform(source.layout.format);
+        if (part.points.empty() || !las::hasGpsTime(source.layout.shownFormat())) continue;
+        if (timed == nullptr) timed = &part;
+        clocks = clocks || las::gpsClock(source.header) != las::gpsClock(timed->source->header);
+    }
+    if (clocks)
+        notes.emplace_back(
+            "The files count GPS times in different ways; in the one file each number is as it was.");
+    if (waveforms)
+        notes.emplace_back("The waveforms stay with the files that they came with; the one file has none.");
 }
 
 }  // namespace punctum

@@ -3,6 +3,7 @@
 
 #include "core/cloud/AttributeChange.h"
 #include "core/las/Diff.h"
+#include "core/session/Session.h"
 
 #include <filesystem>
 #include <optional>
@@ -25,5 +26,8 @@ void addDifference(const las::Difference& part, las::Difference& all);
 /// nothing.
 std::string unsavedInSurvey(const std::optional<std::vector<AttributeChange>>& changes,
                             const std::vector<bool>& changedParts);
+
+/// Says what one file of points of several cannot say of all of them.
+void addOneFileNotes(const std::vector<SessionPart>& files, std::vector<std::string>& notes);
 
 }  // namespace punctum

@@ -538,13 +538,17 @@ private slots:
         tile("c.las", 3, 60.0, kPoints);
         tile("d.las", 4, 90.0, kPoints);
         const auto mixed = opened({place("a.las"), place("b.las"), place("c.las"), place("d.las")});
-        const auto notes = mixed->merge(place("all.las"), {}, m_progress).notes;
+        auto notes = mixed->merge(place("all.las"), {}, m_progress).notes;
         const auto tells = [&](const char* what) {
             return std::any_of(notes.begin(), notes.end(),
                                [&](const std::string& note) { return note.find(what) != std::string::npos; });
         };
         QVERIFY(tells("GPS times in different ways"));
         QVERIFY(tells("waveforms stay"));
+        PointSet some(mixed->cloud()->size());
+        some.insert(PointRange{5, 3 * kPoints + 5});
+        notes = mixed->extract(some, place("some.las"), {}, m_progress).notes;
+        QVERIFY(tells("GPS times in different ways") && tells("waveforms stay"));
     }
 
     /// Points of another system are shown where they belong, and saved as they were.
