@@ -295,6 +295,26 @@ private slots:
         QCOMPARE(s.document->name(), QStringLiteral("3 files"));
     }
 
+    /// A yes to a question that names one file is one to all that it is true of: the question says so.
+    void aYesIsOneToAllFiles()
+    {
+        SurveyBench s(2);
+        QVERIFY(s.openAll());
+        s.selection().selectAll();
+        QVERIFY(s.done());
+        QVERIFY(s.runEdit([&] { s.key(Qt::Key_6); }));
+        for (const QString& path : s.paths) QVERIFY(QFile::setPermissions(path, QFileDevice::ReadOwner));
+        QStringList questions;
+        s.workspace().askQuestion = [&](const Question& asked, std::function<void(bool)> answer) {
+            questions << asked.text + asked.reason;
+            answer(true);
+        };
+        s.workspace().save(*s.document, s.document->path());
+        QVERIFY(waitFor([&] { return !s.window->isWindowModified(); }) && s.done());
+        QCOMPARE(questions.size(), 1);
+        QVERIFY2(questions[0].contains(QStringLiteral("Other files of this save")), qPrintable(questions[0]));
+    }
+
     void oneFileIsSavedAlone()
     {
         SurveyBench s(2);

@@ -169,13 +169,22 @@ void Saves::askFor(const std::shared_ptr<Saving>& saving)
 {
     Question question;
     question.reason = toQString(std::string(saving->question->what()));
+    const bool several = saving->session->many() && saving->parts.size() != 1;  // a yes is one to all of them
     switch (saving->question->kind()) {
         case las::WriteQuestion::Kind::TargetChanged:
-            question.text = tr("Replace the changed file?");
+            question.text = several ? tr("Replace the changed files?") : tr("Replace the changed file?");
+            if (several)
+                question.reason +=
+                    QLatin1Char(' ') + tr("Other files of this save that another program changed are "
+                                          "replaced then, too.");
             question.yes = tr("&Replace");
             break;
         case las::WriteQuestion::Kind::TargetProtected:
-            question.text = tr("Replace the write-protected file?");
+            question.text =
+                several ? tr("Replace the write-protected files?") : tr("Replace the write-protected file?");
+            if (several)
+                question.reason += QLatin1Char(' ') +
+                                   tr("Other files of this save that are write-protected are replaced then, too.");
             question.yes = tr("&Replace");
             break;
         case las::WriteQuestion::Kind::Upgrade:
