@@ -72,13 +72,21 @@ void addShownValues(const PointStore& store, const Attribute& attribute, const D
     const ShownSlots shown(store, display);
     const Slot slots = store.slotCount(), window = std::max<Slot>(store.order().windowSize(), 1);
     const Slot run = (kRun + window - 1) / window * window;
+    // The same points whether or not the slots were arranged meanwhile: ranges must not change by that.
+    SlotOrder asRead = store.order();
+    asRead.setRuns(nullptr);
+    const auto slotNow = [&](Slot slot) {
+        if (!store.arranged()) return slot;
+        const PointIndex i = asRead.indexOf(slot);
+        return i < store.cloud().size() ? store.order().slotOf(i) : slots;
+    };
     const std::size_t wanted = values.size() + most;
     std::vector<Slot> found;
     for (Slot first = 0; first < std::min(slots, kMostTries) && values.size() < wanted; first += run) {
         found.clear();
         const Slot last = slots - first < run ? slots : first + run;
         for (Slot slot = first; slot < last; ++slot)
-            if (shown.contains(slot)) found.push_back(slot);
+            if (const Slot now = slotNow(slot); now < slots && shown.contains(now)) found.push_back(now);
         // Of more than are wanted, as many of all parts of the run.
         const std::size_t take = std::min(found.size(), wanted - values.size());
         for (std::size_t k = 0; k < take; ++k) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "render/store/CloudLoad.h"
 
-
 #include <utility>
 
 namespace punctum::render

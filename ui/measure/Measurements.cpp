@@ -33,8 +33,7 @@ struct PointDetails {
 QString attributeText(const Attribute& attribute, PointIndex index)
 {
     QStringList parts;
-    for (std::uint32_t c = 0; c < attribute.components; ++c)
-        parts << shownValueOf(attribute, index, c);
+    for (std::uint32_t c = 0; c < attribute.components; ++c) parts << shownValueOf(attribute, index, c);
     QString text = parts.join(QLatin1String(", "));
     if (attribute.kind == AttributeKind::Class && !attribute.lacks(index))
         text = classText(unsigned(std::clamp(attribute.number(index), 0.0, 255.0)));
