@@ -4,6 +4,7 @@
 #include "core/las/Diff.h"
 #include "core/las/Reader.h"
 #include "core/process/Step.h"
+#include "core/session/Session.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
 #include "tests/core/LoadAndSave.h"
@@ -32,6 +33,8 @@ private slots:
     void becomesNative();
     void waveformsAndOtherAttributes();
     void diffGoesByMeaning();
+    void keepsItsFormInASurvey_data() { formats(); }
+    void keepsItsFormInASurvey();
     void fieldsThatAreNotThere_data();
     void fieldsThatAreNotThere();
 
@@ -370,6 +373,41 @@ void LasCompatibleTest::diffGoesByMeaning()
     // and what nobody edits is not put in order
     save(*load(path("two.las")), path("three.las"));
     QVERIFY(lasfiles::readFile(path("three.las")) == bytes);
+}
+
+/// Among files of other formats, edited or not, it gets the bytes that it gets alone.
+void LasCompatibleTest::keepsItsFormInASurvey()
+{
+    QFETCH(int, format);
+    QFETCH(bool, compressed);
+    const fs::path file = make(format, compressed, makeRecords(format));
+    const fs::path alone = path("alone" + file.extension().string()), other = path("other.las");
+    fs::copy_file(file, alone, fs::copy_options::overwrite_existing);
+    const std::uint16_t length = lasfiles::recordLength(3);
+    lasfiles::writeFile(other, lasfiles::file(lasfiles::header(lasfiles::minorFor(3), 3, length, kCount), {},
+                                              lasfiles::randomRecords(3, length, kCount, 5)));
+    Progress progress;
+    las::WriteOptions options;
+    options.copyChunks = false;
+    for (const bool edited : {false, true}) {
+        for (const bool single : {true, false}) {
+            const auto session =
+                Session::open(single ? std::vector{alone} : std::vector{file, other}, {}, progress);
+            session->read(progress);
+            const fs::path out = path(single ? "out1" : "out2");
+            fs::create_directory(out);
+            if (edited) {
+                auto within = std::make_shared<PointSet>(session->cloud()->size());
+                const PointIndex first = session->parts()[0].path == other ? kCount : 0;
+                within->insert(PointRange{first, first + kCount});
+                session->edit({"set", {{"rule", "Classification = 40 if UserData < 128"}}, within}, progress);
+            }
+            session->save({.target = single ? out / alone.filename() : out, .options = options, .compare = false},
+                          progress);
+        }
+        QVERIFY(lasfiles::readFile(path("out1") / alone.filename()) ==
+                lasfiles::readFile(path("out2") / file.filename()));
+    }
 }
 
 void LasCompatibleTest::fieldsThatAreNotThere_data()

@@ -55,7 +55,7 @@ private slots:
         QTest::newRow("waveforms, bytes without a description")
             << QStringList{"vegetation_1_3.las", "unregistered_extra_bytes.las", "MixedConifer.laz",
                            "more/pdrf8-14.laz", "epsg_4326.las"};
-        QTest::newRow("compatibility mode and others")
+        QTest::newRow("normals, terrestrial, records behind the points")
             << QStringList{"cases/normals-metashape.las", "tls_clip.laz", "lone-star.laz", "1_4_w_evlr.laz"};
     }
     void everyFileComesBack()
