@@ -15,7 +15,6 @@ namespace
 {
 
 constexpr std::size_t kDescriptionAt = 160;
-constexpr std::size_t kScaleAt = 112, kOffsetAt = 136;
 
 bool isUtf8(std::string_view text)
 {
@@ -108,8 +107,8 @@ ExtraBytesDescriptor makeDescriptor(const ExtraBytesField& field)
     d.bytes[3] = std::byte((field.scale ? 8 : 0) | (field.offset ? 16 : 0));
     putText(d, kDescriptorNameAt, field.name);
     putText(d, kDescriptionAt, field.description);
-    if (field.scale) putNumber(d, kScaleAt, *field.scale);
-    if (field.offset) putNumber(d, kOffsetAt, *field.offset);
+    if (field.scale) putNumber(d, kDescriptorScaleAt, *field.scale);
+    if (field.offset) putNumber(d, kDescriptorOffsetAt, *field.offset);
     return d;
 }
 

@@ -18,7 +18,8 @@ struct Vlr;
 
 constexpr std::uint16_t kExtraBytesRecordId = 4;  ///< of user LASF_Spec
 // Places in a descriptor, in bytes (LAS 1.4 R15, table 24).
-constexpr std::size_t kDescriptorNameAt = 4, kDescriptorNoDataAt = 40, kDescriptorText = 32;
+constexpr std::size_t kDescriptorNameAt = 4, kDescriptorNoDataAt = 40, kDescriptorMinAt = 64, kDescriptorMaxAt = 88,
+                      kDescriptorScaleAt = 112, kDescriptorOffsetAt = 136, kDescriptorText = 32;
 
 /// What is asked for when extra bytes are added to a record: one scalar a point.
 struct ExtraBytesField {
@@ -43,7 +44,7 @@ struct ExtraBytesDescriptor {
     bool hasNoData() const { return (options() & 1) != 0; }
     bool hasScale() const { return (options() & 8) != 0; }
     bool hasOffset() const { return (options() & 16) != 0; }
-    /// The 8-byte value at 40 (no data), 64 (min), 88 (max), 112 (scale), 136 (offset) of component k.
+    /// The 8-byte value of component k at one of the places above.
     std::uint64_t bits(std::size_t at, std::size_t k) const;
     double number(std::size_t at, std::size_t k) const;
 };

@@ -15,7 +15,7 @@ namespace
 {
 
 constexpr unsigned kMinBit = 2, kMaxBit = 4;
-constexpr std::size_t kOptionsAt = 3, kMinAt = 64, kMaxAt = 88;
+constexpr std::size_t kOptionsAt = 3;
 
 template <typename T>
 struct Extremes {
@@ -93,8 +93,10 @@ void setRange(std::byte* descriptor, const ExtraBytesRange& range)
 {
     const auto options = std::to_integer<unsigned>(descriptor[kOptionsAt]);
     const std::uint64_t min = range.any ? range.min : 0, max = range.any ? range.max : 0;
-    if ((options & kMinBit) != 0) std::memcpy(descriptor + kMinAt + 8 * range.component, &min, sizeof min);
-    if ((options & kMaxBit) != 0) std::memcpy(descriptor + kMaxAt + 8 * range.component, &max, sizeof max);
+    if ((options & kMinBit) != 0)
+        std::memcpy(descriptor + kDescriptorMinAt + 8 * range.component, &min, sizeof min);
+    if ((options & kMaxBit) != 0)
+        std::memcpy(descriptor + kDescriptorMaxAt + 8 * range.component, &max, sizeof max);
 }
 
 }  // namespace punctum::las

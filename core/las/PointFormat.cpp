@@ -149,8 +149,8 @@ void addExtra(LayoutMaker& make, const std::string& name, AttributeKind kind, Sc
     a.description = d.description();
     if (item->opaque) return;
     if (d.hasScale() || d.hasOffset()) {
-        const double scale = d.hasScale() ? d.number(112, k) : 1.0;
-        const double offset = d.hasOffset() ? d.number(136, k) : 0.0;
+        const double scale = d.hasScale() ? d.number(kDescriptorScaleAt, k) : 1.0;
+        const double offset = d.hasOffset() ? d.number(kDescriptorOffsetAt, k) : 0.0;
         if (!std::isfinite(scale) || scale == 0.0 || !std::isfinite(offset)) {
             warnings.push_back("The scale or offset of the extra bytes attribute " + unique +
                                " cannot be used; its stored values are shown.");
@@ -161,7 +161,7 @@ void addExtra(LayoutMaker& make, const std::string& name, AttributeKind kind, Sc
         }
     }
     if (d.hasNoData()) {
-        const std::uint64_t bits = d.bits(40, k);
+        const std::uint64_t bits = d.bits(kDescriptorNoDataAt, k);
         if (isFloating(type))
             a.noData = std::bit_cast<double>(bits);
         else if (type == ScalarType::I8 || type == ScalarType::I16 || type == ScalarType::I32 ||

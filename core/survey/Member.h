@@ -8,7 +8,6 @@
 
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace punctum
@@ -25,15 +24,5 @@ struct Survey::Member {
     std::vector<std::shared_ptr<Column>> own;
     std::unique_ptr<las::Reader> reader;  ///< until it is read; null where too many files would be open
 };
-
-/// Fields of formats 0 to 5 that are packed in another way in formats 6 to 10, and those.
-inline bool isClassicField(std::string_view name) noexcept
-{
-    return name == "Returns" || name == "Classes" || name == "ScanAngle";
-}
-inline bool isExtendedField(std::string_view name) noexcept
-{
-    return name == "Returns" || name == "Flags" || name == "Classification" || name == "ScanAngle";
-}
 
 }  // namespace punctum

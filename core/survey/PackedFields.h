@@ -5,9 +5,20 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace punctum
 {
+
+/// Fields of formats 0 to 5 that are packed in another way in formats 6 to 10, and those.
+inline bool isClassicField(std::string_view name) noexcept
+{
+    return name == "Returns" || name == "Classes" || name == "ScanAngle";
+}
+inline bool isExtendedField(std::string_view name) noexcept
+{
+    return name == "Returns" || name == "Flags" || name == "Classification" || name == "ScanAngle";
+}
 
 /// Bytes 14 to 19 of point records: return numbers, flags, class and scan angle, packed in another way by point
 /// formats 0 to 5 (LAS 1.4 R15, table 7) than by 6 to 10 (table 13).

@@ -3,6 +3,7 @@
 
 #include "core/las/ExtraBytes.h"
 #include "core/las/GeoKeys.h"
+#include "core/survey/PackedFields.h"
 
 #include <algorithm>
 #include <cstring>
@@ -38,24 +39,22 @@ std::uint8_t unitedFormat(std::span<const std::shared_ptr<const las::SourceFile>
 std::string keyOf(const las::ExtraBytesItem& item)
 {
     constexpr std::size_t kBytes = 8;  // of a number in a descriptor
-    constexpr std::size_t kScaleAt = 112, kOffsetAt = 136;
     const ExtraBytesDescriptor& d = item.descriptor;
     std::string key = d.name() + '\0' + char(item.type) + char(item.values) + char(d.options() & 0x19);
     const auto add = [&](bool has, std::size_t at) {
         if (has) key.append(reinterpret_cast<const char*>(d.bytes.data()) + at, kBytes * item.values);
     };
     add(d.hasNoData(), las::kDescriptorNoDataAt);
-    add(d.hasScale(), kScaleAt);
-    add(d.hasOffset(), kOffsetAt);
+    add(d.hasScale(), las::kDescriptorScaleAt);
+    add(d.hasOffset(), las::kDescriptorOffsetAt);
     return key;
 }
 
 /// As a union has it: without minimum and maximum, which are one file's.
 ExtraBytesDescriptor withoutRange(ExtraBytesDescriptor d)
 {
-    constexpr std::size_t kMinAt = 64, kScaleAt = 112;
     d.bytes[3] &= std::byte(0xF9);
-    std::fill(d.bytes.begin() + kMinAt, d.bytes.begin() + kScaleAt, std::byte(0));
+    std::fill(d.bytes.begin() + las::kDescriptorMinAt, d.bytes.begin() + las::kDescriptorScaleAt, std::byte(0));
     return d;
 }
 
@@ -199,7 +198,8 @@ private:
                 name.resize(name.size() - std::strlen(las::kDerivedEnding));
             } else if (own.compatible && field == own.compatible->nir) {
                 name = "NIR";
-            } else if (f.offset >= standard || isStoredForm(own, field) || (links.converted && isPacked(name))) {
+            } else if (f.offset >= standard || isStoredForm(own, field) ||
+                       (links.converted && isClassicField(name))) {
                 continue;
             }
             link(own, field, m_layout->find(name), links.fields[k]);
@@ -209,11 +209,6 @@ private:
                 link(own, use.field + std::int32_t(v), m_fieldOf[use.extra] + std::int32_t(v),
                      links.fields[std::size_t(use.field) + v]);
         return links;
-    }
-
-    static bool isPacked(std::string_view name)
-    {
-        return name == "Returns" || name == "Classes" || name == "ScanAngle";
     }
 
     void link(const RecordLayout& own, std::int32_t field, std::int32_t column, FieldLink& link) const

@@ -19,6 +19,7 @@ using namespace punctum::render;
 using test::cameraFor;
 using test::differing;
 using test::filledStore;
+using test::randomCamera;
 using View = test::CpuView;
 
 namespace
@@ -81,20 +82,6 @@ bool slotsAreRight(const PointStore& store)
             return false;
     }
     return true;
-}
-
-Camera randomCamera(std::mt19937_64& random, const Camera& whole)
-{
-    const auto number = [&](double low, double high) {
-        return low + (high - low) * double(random() >> 11) / double(std::uint64_t(1) << 53);
-    };
-    Camera camera = whole;
-    camera.yaw = number(-3.2, 3.2);
-    camera.pitch = number(-1.57, 0.5);
-    camera.pivot = {number(0, 200), number(0, 200), number(-10, 20)};
-    camera.eye = camera.pivot - camera.forward() * std::exp(number(0.0, 6.0));
-    camera.orthographic = random() % 2 == 0;
-    return camera;
 }
 
 }  // namespace

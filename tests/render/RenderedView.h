@@ -6,7 +6,9 @@
 #include "tests/render/SyntheticCloud.h"
 
 #include <climits>
+#include <cmath>
 #include <memory>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -28,6 +30,21 @@ inline render::Camera cameraFor(const PointCloud& cloud, int width, int height)
     render::Camera camera;
     camera.yaw = 0.4;
     camera.fit(cloud.coordinates().toWorld(cloud.computeBounds()), {width, height});
+    return camera;
+}
+
+/// A camera that sees some of a patch of 200 by 200 m.
+inline render::Camera randomCamera(std::mt19937_64& random, const render::Camera& whole)
+{
+    const auto number = [&](double low, double high) {
+        return low + (high - low) * double(random() >> 11) / double(std::uint64_t(1) << 53);
+    };
+    render::Camera camera = whole;
+    camera.yaw = number(-3.2, 3.2);
+    camera.pitch = number(-1.57, 0.5);
+    camera.pivot = {number(0, 200), number(0, 200), number(-10, 20)};
+    camera.eye = camera.pivot - camera.forward() * std::exp(number(0.0, 6.0));
+    camera.orthographic = random() % 2 == 0;
     return camera;
 }
 

@@ -15,6 +15,7 @@ using namespace punctum::render;
 using test::cameraFor;
 using test::differing;
 using test::filledStore;
+using test::randomCamera;
 using View = test::CpuView;
 
 namespace
@@ -28,21 +29,6 @@ Layer layerOf(const PointStore& store, const Camera& camera, const Clip& clip = 
     Layer layer{&store, 0, makeProjection(camera, store, TargetSize{320, 200, 1}, style)};
     layer.clip = makeClip(clip, store, layer.projection.reference);
     return layer;
-}
-
-/// A camera that sees some of a patch of 200 by 200 m.
-Camera randomCamera(std::mt19937_64& random, const Camera& whole)
-{
-    const auto number = [&](double low, double high) {
-        return low + (high - low) * double(random() >> 11) / double(std::uint64_t(1) << 53);
-    };
-    Camera camera = whole;
-    camera.yaw = number(-3.2, 3.2);
-    camera.pitch = number(-1.57, 0.5);
-    camera.pivot = {number(0, 200), number(0, 200), number(-10, 20)};
-    camera.eye = camera.pivot - camera.forward() * std::exp(number(0.0, 6.0));
-    camera.orthographic = random() % 2 == 0;
-    return camera;
 }
 
 }  // namespace
