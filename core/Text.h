@@ -23,6 +23,18 @@ std::string pointsText(std::uint64_t count);
 /// "a.las, b.las and 3 more": the first `most` names, and how many others there are.
 std::string listText(const std::vector<std::string>& names, std::size_t most = 5);
 
+/// "a, b and c": what `nameOf` gives for each item.
+template <typename Items, typename NameOf>
+std::string enumerated(const Items& items, NameOf nameOf)
+{
+    std::string text;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        if (i != 0) text += i + 1 == items.size() ? " and " : ", ";
+        text += nameOf(items[i]);
+    }
+    return text;
+}
+
 /// "603 bytes", "603 kB", "2.1 GB": what memory or a disk has to have, rounded up.
 std::string sizeText(std::uint64_t bytes);
 

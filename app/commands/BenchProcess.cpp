@@ -3,7 +3,7 @@
 #include "app/commands/Bench.h"
 #include "core/Error.h"
 #include "core/las/Reader.h"
-#include "core/process/Step.h"
+#include "core/steps/Steps.h"
 #include "core/task/Progress.h"
 
 namespace punctum::app

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // punctum replay: does again what a journal of the window tells, on the file that it was begun with.
-#include "core/process/Replay.h"
+#include "core/steps/Replay.h"
 #include "app/Console.h"
 #include "app/Files.h"
 #include "app/commands/Command.h"

@@ -41,6 +41,9 @@ public:
     const std::optional<Recipe>& recipe() const noexcept { return m_recipe; }
     void setRecipe(Recipe recipe) { m_recipe = std::move(recipe); }
     void dropRecipe() noexcept { m_recipe.reset(); }
+    /// One sentence on what was found, beside how many points change: "214 trees."; empty: nothing more to say.
+    const std::string& finding() const noexcept { return m_finding; }
+    void setFinding(std::string sentence) { m_finding = std::move(sentence); }
     /// Points whose values differ.
     virtual PointIndex changedPoints() const noexcept = 0;
     /// Which they are; null where that is all points, or not known. Throws Error when it cannot be read back.
@@ -76,6 +79,7 @@ private:
     std::string m_name;
     Identity m_identity;
     std::optional<Recipe> m_recipe;
+    std::string m_finding;
 };
 
 /// New values of one column for a set of points.

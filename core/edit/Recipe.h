@@ -11,7 +11,7 @@
 namespace punctum
 {
 
-/// What a command was made from, and can be made from again on the same points: a processing step (core/process),
+/// What a command was made from, and can be made from again on the same points: a processing step (core/steps),
 /// its values, and the points that it may change. What a journal keeps.
 struct Recipe {
     std::string step;  ///< "set", "normals", ...

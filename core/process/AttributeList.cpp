@@ -34,23 +34,26 @@ const Attribute& ownAttribute(const PointCloud& cloud, const std::string& name)
 
 }  // namespace
 
-std::string RenameStep::help() const
+const StepDescription& RenameStep::description() const
 {
-    return "Gives an attribute another name: extra bytes of the file, or what a step has computed.";
+    static const StepDescription about{
+        .name = "rename",
+        .title = "Rename attribute",
+        .group = StepGroup::Attributes,
+        .help = "Gives an attribute another name: extra bytes of the file, or what a step has computed.",
+        .parameters =
+            {attributeParameter("The attribute that gets another name."),
+             {.key = "to", .label = "New name", .help = "Up to 32 bytes.", .type = StepParameter::Type::Text}},
+        .narrows = false};
+    return about;
 }
 
-std::vector<StepParameter> RenameStep::parameters() const
+std::unique_ptr<Command> RenameStep::make(const PointCloud& cloud, const StepValues& values, const PointSet*,
+                                          Progress&) const
 {
-    return {attributeParameter("The attribute that gets another name."),
-            {.key = "to", .label = "New name", .help = "Up to 32 bytes.", .type = StepParameter::Type::Text}};
-}
-
-std::unique_ptr<Command> RenameStep::run(const PointCloud& cloud, const StepValues& values, Progress&) const
-{
-    const StepValues complete = completeValues(*this, values);
-    const std::string& to = complete.at("to");
+    const std::string& to = values.at("to");
     const std::shared_lock lock(cloud.mutex());
-    const Attribute& attribute = ownAttribute(cloud, complete.at("attribute"));
+    const Attribute& attribute = ownAttribute(cloud, values.at("attribute"));
     if (attribute.kind == AttributeKind::Opaque)
         throw Error(attribute.name + " holds bytes that the file does not describe; they have no name to change.");
     if (attribute.components != 1) throw Error(attribute.name + " shows other attributes together; rename these.");
@@ -59,21 +62,23 @@ std::unique_ptr<Command> RenameStep::run(const PointCloud& cloud, const StepValu
     return ListCommand::rename(attribute, to);
 }
 
-std::string RemoveStep::help() const
+const StepDescription& RemoveStep::description() const
 {
-    return "Takes an attribute out, with its values: extra bytes of the file, or what a step has computed.";
+    static const StepDescription about{
+        .name = "remove",
+        .title = "Remove attribute",
+        .group = StepGroup::Attributes,
+        .help = "Takes an attribute out, with its values: extra bytes of the file, or what a step has computed.",
+        .parameters = {attributeParameter("The attribute that goes.")},
+        .narrows = false};
+    return about;
 }
 
-std::vector<StepParameter> RemoveStep::parameters() const
+std::unique_ptr<Command> RemoveStep::make(const PointCloud& cloud, const StepValues& values, const PointSet*,
+                                          Progress&) const
 {
-    return {attributeParameter("The attribute that goes.")};
-}
-
-std::unique_ptr<Command> RemoveStep::run(const PointCloud& cloud, const StepValues& values, Progress&) const
-{
-    const StepValues complete = completeValues(*this, values);
     const std::shared_lock lock(cloud.mutex());
-    return ListCommand::remove(ownAttribute(cloud, complete.at("attribute")));
+    return ListCommand::remove(ownAttribute(cloud, values.at("attribute")));
 }
 
 }  // namespace punctum

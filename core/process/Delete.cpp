@@ -23,42 +23,47 @@ std::unique_ptr<Command> deleting(std::string name, const PointCloud& cloud, std
 
 }  // namespace
 
-std::string DeleteStep::help() const
+const StepDescription& DeleteStep::description() const
 {
-    return "Deletes the points for which a condition holds: no later step sees them, and the file that is written "
-           "lacks them.";
+    static const StepDescription about{
+        .name = "delete",
+        .title = "Delete",
+        .group = StepGroup::Points,
+        .help =
+            "Deletes the points for which a condition holds: no later step sees them, and the file that is "
+            "written lacks them.",
+        .parameters = {{.key = "where",
+                        .label = "Condition",
+                        .help = "Which points, such as Classification == 7 or Z > 120; the user guide tells the "
+                                "language.",
+                        .type = StepParameter::Type::Condition,
+                        .wholeOnly = true}}};
+    return about;
 }
 
-std::vector<StepParameter> DeleteStep::parameters() const
+std::unique_ptr<Command> DeleteStep::make(const PointCloud& cloud, const StepValues& values, const PointSet* within,
+                                          Progress& progress) const
 {
-    return {{.key = "where",
-             .label = "Condition",
-             .help = "Which points, such as Classification == 7 or Z > 120; the user guide tells the language.",
-             .type = StepParameter::Type::Condition}};
+    const std::string where = textValue(values, "where");
+    if (where.empty()) return deleting("Delete", cloud, std::make_shared<PointSet>(*within));
+    const auto points = expression::select(cloud, expression::Condition(where, cloud), progress);
+    if (within != nullptr) points->intersect(*within);
+    return deleting("Delete where " + where, cloud, points);
 }
 
-std::unique_ptr<Command> DeleteStep::run(const PointCloud& cloud, const StepValues& values,
-                                         Progress& progress) const
+const StepDescription& RestoreStep::description() const
 {
-    const std::string where = completeValues(*this, values).at("where");
-    return deleting("Delete where " + where, cloud,
-                    expression::select(cloud, expression::Condition(where, cloud), progress));
+    static const StepDescription about{.name = "restore",
+                                       .title = "Restore deleted",
+                                       .group = StepGroup::Points,
+                                       .help = "Takes back all points that were deleted.",
+                                       .narrows = false};
+    return about;
 }
 
-std::unique_ptr<Command> DeleteStep::runWithin(const PointCloud& cloud, const StepValues&, const PointSet& within,
-                                               Progress&) const
+std::unique_ptr<Command> RestoreStep::make(const PointCloud& cloud, const StepValues&, const PointSet*,
+                                           Progress&) const
 {
-    return deleting("Delete", cloud, std::make_shared<PointSet>(within));
-}
-
-std::string RestoreStep::help() const
-{
-    return "Takes back all points that were deleted.";
-}
-
-std::unique_ptr<Command> RestoreStep::run(const PointCloud& cloud, const StepValues& values, Progress&) const
-{
-    completeValues(*this, values);
     auto deleted = deletedPoints(cloud);
     return deleted ? std::make_unique<DeleteCommand>("Restore deleted points", std::move(deleted)) : nullptr;
 }

@@ -31,36 +31,37 @@ void checkScalar(const PointCloud& cloud, const std::string& name)
 
 }  // namespace
 
-std::string ReclassifyStep::help() const
-{
-    return "Gives a class to all points whose value of an attribute lies in a range, ends included.";
-}
-
-std::vector<StepParameter> ReclassifyStep::parameters() const
+const StepDescription& ReclassifyStep::description() const
 {
     using Type = StepParameter::Type;
-    return {{.key = "attribute",
-             .label = "Attribute",
-             .help = "The attribute whose values decide.",
-             .type = Type::AttributeName},
-            {.key = "min", .label = "From", .help = "Lowest value of the range."},
-            {.key = "max", .label = "To", .help = "Highest value of the range."},
-            {.key = "class", .label = "Class", .help = "The class these points get.", .type = Type::ClassCode}};
+    static const StepDescription about{
+        .name = "reclassify",
+        .title = "Reclassify",
+        .group = StepGroup::Classes,
+        .help = "Gives a class to all points whose value of an attribute lies in a range, ends included.",
+        .parameters =
+            {{.key = "attribute",
+              .label = "Attribute",
+              .help = "The attribute whose values decide.",
+              .type = Type::AttributeName},
+             {.key = "min", .label = "From", .help = "Lowest value of the range."},
+             {.key = "max", .label = "To", .help = "Highest value of the range."},
+             {.key = "class", .label = "Class", .help = "The class these points get.", .type = Type::ClassCode}},
+        .shows = "Classification"};
+    return about;
 }
 
-std::unique_ptr<Command> ReclassifyStep::run(const PointCloud& cloud, const StepValues& values,
-                                             Progress& progress) const
+std::unique_ptr<Command> ReclassifyStep::make(const PointCloud& cloud, const StepValues& values,
+                                              const PointSet* within, Progress& progress) const
 {
-    const StepValues complete = completeValues(*this, values);
-    const Value min = *parseNumber(complete.at("min")), max = *parseNumber(complete.at("max"));
+    const Value min = *parseNumber(values.at("min")), max = *parseNumber(values.at("max"));
     if (toDouble(min) > toDouble(max))
-        throw Error("reclassify: min is " + complete.at("min") + ", which is above max, " + complete.at("max") +
-                    ".");
-    const auto code = std::uint32_t(*integerValue(complete, "class"));
-    checkScalar(cloud, complete.at("attribute"));
+        throw Error("reclassify: min is " + values.at("min") + ", which is above max, " + values.at("max") + ".");
+    const auto code = std::uint32_t(*integerValue(values, "class"));
+    checkScalar(cloud, values.at("attribute"));
     return expression::Rule::inRange("Reclassify to " + classLabel(code), classAttribute(cloud, code).name,
-                                     std::int64_t(code), complete.at("attribute"), min, max)
-        .run(cloud, nullptr, progress);
+                                     std::int64_t(code), values.at("attribute"), min, max)
+        .run(cloud, within, progress);
 }
 
 }  // namespace punctum

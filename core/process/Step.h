@@ -2,10 +2,9 @@
 #pragma once
 
 #include "core/edit/Command.h"
+#include "core/process/StepParameter.h"
 
-#include <map>
 #include <memory>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,61 +14,76 @@ namespace punctum
 
 class Progress;
 
-/// One parameter of a processing step, as the panel shows it and the command line names it.
-struct StepParameter {
-    enum class Type { Integer, Real, AttributeName, ClassCode, Rule, Condition, Choice, Text };
-    enum class Unit {
-        None,
-        Length,  ///< the cloud's unit of length (TrueLengths): that of X and Y, meters where these are angles
-    };
-    std::string key{};    ///< "k"
-    std::string label{};  ///< "Neighbors"
-    std::string help{};   ///< one line
-    Type type = Type::Real;
-    std::string preset{};  ///< default value as text; empty: must be given, or means "not used" if optional
-    double min = 0.0;
-    double max = 0.0;
-    bool optional = false;
-    bool ownOnly = false;  ///< attributes that are no field of the point format
-    Unit unit = Unit::None;
-    std::vector<std::string> choices{};  ///< of a Choice
+/// What a step is for: how panel, menu and --list-steps group them, in this order.
+enum class StepGroup {
+    Cleaning,    ///< what is no measurement of the scene: noise, strays, duplicates
+    Thinning,    ///< fewer points
+    Ground,      ///< ground and heights above it
+    Objects,     ///< what stands on the ground
+    Shape,       ///< normals, features: attributes computed from neighbors
+    Classes,     ///< classes and values by rule
+    Points,      ///< deleting and restoring
+    Attributes,  ///< the list of attributes
 };
+/// "Cleaning"
+std::string_view nameOf(StepGroup group) noexcept;
+inline constexpr int kStepGroups = int(StepGroup::Attributes) + 1;
 
-using StepValues = std::map<std::string, std::string, std::less<>>;
+/// All that is said of a step: panel, menu, command line, --list-steps, the page in docs and tests are made of it.
+struct StepDescription {
+    std::string name;   ///< "normals": command line, journals
+    std::string title;  ///< "Normals": window
+    StepGroup group = StepGroup::Classes;
+    std::string help;      ///< one or two sentences: what it does, and by which method
+    std::string source{};  ///< the paper or program that the method is of: "Rusu et al. 2008"; empty: none
+    std::vector<StepParameter> parameters{};
+    /// The attribute worth looking at afterwards: "Classification", "Normal". Empty: none.
+    std::string shows{};
+    /// Whether it can be told to change some points alone (`within`). All points are looked at all the same, as
+    /// neighbors, where the help does not say otherwise.
+    bool narrows = true;
+};
 
 /// A processing step: reads a cloud, makes the command that changes it. One file pair a step.
 ///
-/// Stateless. run() may be called from any thread; it holds cloud.mutex() shared while reading, does not change
-/// the cloud, reports progress, and stops within 100 ms when cancelled (throws Cancelled). Throws Error on values
-/// or attributes that do not fit.
+/// Stateless. Every call may come from any thread. Lengths are true ones, in the unit of trueLengths().
 class Step
 {
 public:
     virtual ~Step() = default;
-    virtual std::string name() const = 0;   ///< "normals": command line and files
-    virtual std::string title() const = 0;  ///< "Normals": window
-    virtual std::string help() const = 0;   ///< one or two sentences; names the method and its source
-    virtual std::vector<StepParameter> parameters() const = 0;
-    /// The command that has the effect; null when nothing would change.
-    virtual std::unique_ptr<Command> run(const PointCloud& cloud, const StepValues& values,
-                                         Progress& progress) const = 0;
-    /// The same for these points alone. Throws Error where the step cannot do that.
-    virtual std::unique_ptr<Command> runWithin(const PointCloud& cloud, const StepValues& values,
-                                               const PointSet& within, Progress& progress) const;
+    /// Always the same one.
+    virtual const StepDescription& description() const = 0;
+
+    const std::string& name() const { return description().name; }
+    const std::string& title() const { return description().title; }
+    const std::string& help() const { return description().help; }
+    const std::vector<StepParameter>& parameters() const { return description().parameters; }
+
+    /// The command that has the effect; null when nothing would change. Values that are not given are presets.
+    /// `within`: the points that it may change; null: all. Holds cloud.mutex() shared while reading (for some 20 ms
+    /// at a time: forEachSlab()), changes nothing, reports progress. Throws Cancelled within 100 ms of a cancel,
+    /// and Error on values or attributes that do not fit, or where the step cannot be told which points.
+    std::unique_ptr<Command> run(const PointCloud& cloud, const StepValues& values, Progress& progress,
+                                 const PointSet* within = nullptr) const;
+
+private:
+    /// run() with every value there (but for optional ones) and checked.
+    virtual std::unique_ptr<Command> make(const PointCloud& cloud, const StepValues& values, const PointSet* within,
+                                          Progress& progress) const = 0;
 };
 
-/// All steps there are, in the order they are listed to users.
-std::span<const Step* const> allSteps();
-/// Null when there is none of that name.
-const Step* findStep(std::string_view name);
-
-/// "normals k=16" -> the step and its values. Throws Error on an unknown name or key, or a value out of bounds.
-struct ParsedStep {
-    const Step* step = nullptr;
-    StepValues values;
+/// Presets filled in, but for those that fit the data, and every value checked; throws Error. `narrowed`: the step
+/// is told which points, so that it needs no condition.
+StepValues completeValues(const Step& step, const StepValues& values, bool narrowed = false);
+/// What presets that fit the data are made of.
+struct DataScale {
+    double spacing = 0;  ///< pointSpacing(), in units of length; 0 when unknown
+    double meters = 0;   ///< of one unit of length; 0 when unknown
 };
-ParsedStep parseStep(std::string_view text);
-/// Presets filled in and every value checked; throws Error.
-StepValues completeValues(const Step& step, const StepValues& values);
+DataScale dataScale(const PointCloud& cloud, Progress& progress);
+/// The preset, of two digits at most where it fits the data. Empty where there is none.
+std::string presetOf(const StepParameter& parameter, const DataScale& scale);
+/// "Default: 3 times the spacing of the points."; empty where it has none.
+std::string presetText(const StepParameter& parameter);
 
 }  // namespace punctum

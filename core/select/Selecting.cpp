@@ -4,7 +4,7 @@
 #include "core/cloud/BlockBoxes.h"
 #include "core/cloud/LinearSide.h"
 #include "core/cloud/Slabs.h"
-#include "core/process/KdOrder.h"
+#include "core/neighbors/KdOrder.h"
 #include "core/task/Progress.h"
 
 #include <tbb/parallel_for.h>

@@ -7,7 +7,7 @@
 #include "core/edit/Extract.h"
 #include "core/edit/Journal.h"
 #include "core/las/SourceFile.h"
-#include "core/process/MakeCommand.h"
+#include "core/steps/MakeCommand.h"
 #include "core/session/KeptJournals.h"
 #include "core/session/SurveyFiles.h"
 #include "core/task/Progress.h"
@@ -132,6 +132,7 @@ EditOutcome Session::edit(const Recipe& recipe, Progress& progress)
     if (!command) return outcome;
     progress.check();
     outcome.changed = command->changedPoints();
+    outcome.finding = command->finding();
     progress.begin("Changing points", 1);
     {
         const std::lock_guard gate(m_gate);

@@ -7,7 +7,7 @@
 #include "core/edit/Recipe.h"
 #include "core/las/Diff.h"
 #include "core/las/Reader.h"
-#include "core/process/Replay.h"
+#include "core/steps/Replay.h"
 #include "core/survey/Survey.h"
 
 #include <atomic>
@@ -64,6 +64,7 @@ struct SaveOutcome {
 struct EditOutcome {
     PointIndex changed = 0;                  ///< points whose values differ now, or that are deleted or back
     std::vector<std::string> newAttributes;  ///< names
+    std::string finding;                     ///< Command::finding()
 };
 
 /// A journal that is about the points of a session.

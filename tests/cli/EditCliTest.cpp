@@ -6,7 +6,7 @@
 #include "core/expression/Condition.h"
 #include "core/las/Reader.h"
 #include "core/las/Writer.h"
-#include "core/process/MakeCommand.h"
+#include "core/steps/MakeCommand.h"
 #include "core/task/Progress.h"
 #include "tests/cli/Program.h"
 

@@ -5,7 +5,7 @@
 #include "core/expression/ExpressionError.h"
 #include "core/expression/Rule.h"
 #include "core/expression/Syntax.h"
-#include "core/process/Step.h"
+#include "core/steps/Steps.h"
 #include "core/task/Progress.h"
 #include "tests/core/Complaint.h"
 #include "tests/core/MadeCloud.h"

@@ -3,7 +3,7 @@
 #include "core/las/Compatible.h"
 #include "core/las/Diff.h"
 #include "core/las/Reader.h"
-#include "core/process/Step.h"
+#include "core/steps/Steps.h"
 #include "core/session/Session.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"

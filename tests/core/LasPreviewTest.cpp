@@ -2,7 +2,7 @@
 #include "core/Error.h"
 #include "core/las/Diff.h"
 #include "core/las/Reader.h"
-#include "core/process/Step.h"
+#include "core/steps/Steps.h"
 #include "core/task/Progress.h"
 #include "tests/core/Differences.h"
 #include "tests/core/LasFiles.h"

@@ -4,7 +4,7 @@
 #include "core/las/GeoKeys.h"
 #include "core/las/Reader.h"
 #include "core/las/Writer.h"
-#include "core/process/Step.h"
+#include "core/steps/Steps.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
 #include "tests/core/LoadAndSave.h"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Neighbors, normals and outliers against brute force over all pairs, on clouds that are hard on tiles.
-#include "core/process/Neighbors.h"
+#include "core/neighbors/Neighbors.h"
 
 #include "core/Error.h"
 #include "core/las/Reader.h"
 #include "core/measure/Spacing.h"
-#include "core/process/Step.h"
 #include "core/sample/Sample.h"
+#include "core/steps/Steps.h"
 #include "core/task/Progress.h"
 #include "tests/core/MadeCloud.h"
 
@@ -421,8 +421,8 @@ void NeighborsTest::normalsRefuseAnotherType()
         run(*cloud, "normals");
         QFAIL("accepted");
     } catch (const Error& e) {
-        QCOMPARE(QString(e.what()), QString("normals: the cloud's attribute NormalY does not hold plain decimal "
-                                            "numbers, so normals cannot be kept in it."));
+        QCOMPARE(QString(e.what()), QString("The cloud's attribute NormalY does not hold plain decimal numbers, so "
+                                            "that these values cannot be kept in it; rename or remove it first."));
     }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Our steps against PCL's own filters with one kd-tree over the whole cloud, on real files.
 #include "core/las/Reader.h"
-#include "core/process/Step.h"
+#include "core/steps/Steps.h"
 #include "core/sample/Sample.h"
 #include "core/task/Progress.h"
 #include "tests/core/MadeCloud.h"

@@ -2,7 +2,7 @@
 // Steps as such, and reclassify: against a plain loop over the points.
 #include "core/Error.h"
 #include "core/las/SourceFile.h"
-#include "core/process/Step.h"
+#include "core/steps/Steps.h"
 #include "core/task/Progress.h"
 #include "tests/core/Complaint.h"
 #include "tests/core/MadeCloud.h"
@@ -189,14 +189,10 @@ void ProcessTest::errorsSayWhatToDo_data()
 {
     QTest::addColumn<QString>("text");
     QTest::addColumn<QString>("sentence");
-    QTest::newRow("empty")
-        << ""
-        << "Name a step; the steps are normals, outliers, reclassify, set, delete, restore, rename "
-           "and remove.";
-    QTest::newRow("unknown")
-        << "smooth k=3"
-        << "There is no step \"smooth\"; the steps are normals, outliers, reclassify, set, delete, restore, rename "
-           "and remove.";
+    QTest::newRow("empty") << ""
+                           << "Name a step, such as \"normals k=16\"; --list-steps tells which there are.";
+    QTest::newRow("unknown") << "sharpen k=3"
+                             << "There is no step \"sharpen\"; --list-steps tells which there are.";
     QTest::newRow("key") << "normals n=3"
                          << "normals has no key \"n\"; its keys are k and radius.";
     QTest::newRow("no value") << "normals k"

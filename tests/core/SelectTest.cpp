@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Selecting: shapes against tests of single px, regions and neighbors against plain loops over all points.
 #include "core/edit/Command.h"
-#include "core/process/KdOrder.h"
+#include "core/neighbors/KdOrder.h"
 #include "core/select/Selecting.h"
 #include "core/task/Progress.h"
 #include "tests/core/MadeCloud.h"

@@ -5,7 +5,7 @@
 #include "core/las/CrsChange.h"
 #include "core/las/Diff.h"
 #include "core/las/Reader.h"
-#include "core/process/KdOrder.h"
+#include "core/neighbors/KdOrder.h"
 #include "core/select/Selecting.h"
 #include "core/session/KeptJournals.h"
 #include "core/session/Session.h"

@@ -11,7 +11,7 @@
 #include "core/edit/Journal.h"
 #include "core/edit/Literal.h"
 #include "core/expression/Rule.h"
-#include "core/process/Replay.h"
+#include "core/steps/Replay.h"
 #include "core/task/Progress.h"
 #include "tests/fuzz/FixedCloud.h"
 #include "tests/fuzz/Fuzz.h"

@@ -5,7 +5,7 @@
 #include "core/edit/Literal.h"
 #include "core/las/File.h"
 #include "core/las/SourceParser.h"
-#include "core/process/MakeCommand.h"
+#include "core/steps/MakeCommand.h"
 #include "core/task/Progress.h"
 #include "tests/core/BadInputs.h"
 #include "tests/fuzz/FixedCloud.h"

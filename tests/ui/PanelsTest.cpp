@@ -4,7 +4,7 @@
 #include "SelectBench.h"
 
 #include "core/las/Writer.h"
-#include "core/process/Step.h"
+#include "core/steps/Steps.h"
 #include "core/task/Progress.h"
 #include "ui/basic/Text.h"
 #include "ui/docks/AttributesDock.h"

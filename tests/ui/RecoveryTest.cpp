@@ -5,7 +5,7 @@
 #include "core/edit/History.h"
 #include "core/edit/Journal.h"
 #include "core/las/Diff.h"
-#include "core/process/Replay.h"
+#include "core/steps/Replay.h"
 #include "core/task/Progress.h"
 #include "ui/document/Recovery.h"
 #include "ui/document/Workspace.h"

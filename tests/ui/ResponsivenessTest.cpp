@@ -4,7 +4,7 @@
 // shows with nothing to do, and the time that the thread itself worked is held against a bound of its own.
 #include "UiTest.h"
 
-#include "core/process/Step.h"
+#include "core/steps/Steps.h"
 #include "ui/docks/ProcessingDock.h"
 #include "ui/document/Workspace.h"
 #include "ui/select/EditDock.h"

@@ -5,7 +5,7 @@
 #include "core/las/Diff.h"
 #include "core/las/Doctor.h"
 #include "core/las/Reader.h"
-#include "core/process/Step.h"
+#include "core/steps/Steps.h"
 #include "core/task/Progress.h"
 #include "ui/basic/Text.h"
 #include "ui/docks/PropertiesDock.h"

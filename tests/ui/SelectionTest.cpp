@@ -6,7 +6,7 @@
 #include "core/edit/Journal.h"
 #include "core/expression/Condition.h"
 #include "core/las/Diff.h"
-#include "core/process/Replay.h"
+#include "core/steps/Replay.h"
 #include "core/task/Progress.h"
 #include "ui/basic/Text.h"
 #include "ui/docks/AttributeActions.h"

@@ -155,7 +155,7 @@ void ProcessingDock::buildFields()
     const Step* chosen = step();
     if (!chosen) return;
     m_help->setText(toQString(chosen->help()));
-    for (StepParameter& parameter : chosen->parameters()) {
+    for (const StepParameter& parameter : chosen->parameters()) {
         Field field;
         using Type = StepParameter::Type;
         if (parameter.type == Type::AttributeName || parameter.type == Type::ClassCode ||
@@ -168,9 +168,10 @@ void ProcessingDock::buildFields()
             field.widget = box;
         } else if (isNumber(parameter)) {
             auto* edit = new NumberField;
-            edit->setOptional(parameter.optional || !parameter.preset.empty());
+            edit->setOptional(parameter.optional || parameter.fit.used() || !parameter.preset.empty());
             edit->put(toQString(parameter.preset));
             if (parameter.optional && parameter.preset.empty()) edit->setPlaceholderText(tr("not used"));
+            if (parameter.fit.used()) edit->setPlaceholderText(tr("fits the data"));
             field.widget = edit;
             connect(edit, &QLineEdit::returnPressed, this, &ProcessingDock::run);
             connect(edit, &QLineEdit::editingFinished, edit, &NumberField::check);
@@ -186,7 +187,7 @@ void ProcessingDock::buildFields()
         for (QWidget* widget : std::initializer_list<QWidget*>{field.name, field.widget})
             widget->setToolTip(toQString(parameter.help));
         m_form->addRow(field.name, field.widget);
-        field.parameter = std::move(parameter);
+        field.parameter = parameter;
         m_fields.push_back(std::move(field));
     }
     fillUnits();
@@ -252,6 +253,7 @@ QString ProcessingDock::valueOf(const Field& field) const
             return static_cast<QComboBox*>(field.widget)->currentData().toString();
         case StepParameter::Type::Rule:
         case StepParameter::Type::Condition:
+        case StepParameter::Type::ClassCodes:
         case StepParameter::Type::Text:
             return static_cast<QLineEdit*>(field.widget)->text().trimmed();
         case StepParameter::Type::Integer:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/process/Step.h"
+#include "core/steps/Steps.h"
 #include "core/task/Jobs.h"
 
 #include <QDockWidget>

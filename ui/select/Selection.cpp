@@ -3,7 +3,7 @@
 
 #include "core/edit/History.h"
 #include "core/expression/Condition.h"
-#include "core/process/KdOrder.h"
+#include "core/neighbors/KdOrder.h"
 #include "core/task/Progress.h"
 #include "ui/basic/Text.h"
 #include "ui/document/Workspace.h"

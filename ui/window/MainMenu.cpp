@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/window/MainMenu.h"
 
-#include "core/process/Step.h"
+#include "core/steps/Steps.h"
 #include "ui/basic/Text.h"
 #include "ui/document/Document.h"
 #include "ui/menu/Menus.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "core/process/MakeCommand.h"
+#include "core/steps/MakeCommand.h"
 
 #include "core/Error.h"
 #include "core/edit/Literal.h"
-#include "core/process/Step.h"
+#include "core/steps/Steps.h"
 
 namespace punctum
 {
@@ -15,9 +15,8 @@ std::unique_ptr<Command> makeCommand(const Recipe& recipe, const PointCloud& clo
     if (!literal && step == nullptr) throw Error("There is no step \"" + recipe.step + "\".");
     if (recipe.within && recipe.within->size() != cloud.size())
         throw Error("The points that are to change are those of another cloud.");
-    auto command = literal         ? makeLiteral(recipe, cloud)
-                   : recipe.within ? step->runWithin(cloud, recipe.values, *recipe.within, progress)
-                                   : step->run(cloud, recipe.values, progress);
+    auto command =
+        literal ? makeLiteral(recipe, cloud) : step->run(cloud, recipe.values, progress, recipe.within.get());
     if (command) command->setRecipe(recipe);
     return command;
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "core/process/Replay.h"
+#include "core/steps/Replay.h"
 
 #include "core/Error.h"
 #include "core/Text.h"
 #include "core/edit/History.h"
-#include "core/process/MakeCommand.h"
+#include "core/steps/MakeCommand.h"
 #include "core/task/Progress.h"
 
 #include <memory>

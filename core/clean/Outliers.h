@@ -14,12 +14,11 @@ namespace punctum
 class OutliersStep final : public Step
 {
 public:
-    std::string name() const override { return "outliers"; }
-    std::string title() const override { return "Statistical outliers"; }
-    std::string help() const override;
-    std::vector<StepParameter> parameters() const override;
-    std::unique_ptr<Command> run(const PointCloud& cloud, const StepValues& values,
-                                 Progress& progress) const override;
+    const StepDescription& description() const override;
+
+private:
+    std::unique_ptr<Command> make(const PointCloud& cloud, const StepValues& values, const PointSet* within,
+                                  Progress& progress) const override;
 };
 
 }  // namespace punctum

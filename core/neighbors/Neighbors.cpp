@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/process/Neighbors.h"
+#include "core/neighbors/Neighbors.h"
 
 #include "core/task/Progress.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/process/KdOrder.h"
+#include "core/neighbors/KdOrder.h"
 
 #include <array>
 #include <cstdint>

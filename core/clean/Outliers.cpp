@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "core/process/Outliers.h"
+#include "core/clean/Outliers.h"
 
 #include "core/cloud/Slabs.h"
 #include "core/edit/ClassCommand.h"
-#include "core/process/Neighbors.h"
+#include "core/neighbors/Neighbors.h"
 #include "core/process/Values.h"
 #include "core/task/Progress.h"
 
@@ -51,41 +51,45 @@ Sums sumUp(const std::vector<float>& distances, const Progress& progress)
 
 }  // namespace
 
-std::string OutliersStep::help() const
-{
-    return "Classifies points whose mean distance to their neighbors is unusually large (PCL's statistical "
-           "outlier removal, Rusu et al. 2008).";
-}
-
-std::vector<StepParameter> OutliersStep::parameters() const
+const StepDescription& OutliersStep::description() const
 {
     using Type = StepParameter::Type;
-    return {{.key = "k",
-             .label = "Neighbors",
-             .help = "How many nearest points the mean distance is taken of, not counting the point itself.",
-             .type = Type::Integer,
-             .preset = "8",
-             .min = 1,
-             .max = 1000},
-            {.key = "deviations",
-             .label = "Deviations",
-             .help = "How many standard deviations above the mean a point is an outlier.",
-             .preset = "3",
-             .min = 0,
-             .max = 100},
-            {.key = "class",
-             .label = "Class",
-             .help = "The class outliers get.",
-             .type = Type::ClassCode,
-             .preset = "7"}};
+    static const StepDescription about{
+        .name = "outliers",
+        .title = "Statistical outliers",
+        .group = StepGroup::Cleaning,
+        .help =
+            "Classifies points whose mean distance to their neighbors is unusually large (PCL's statistical "
+            "outlier removal).",
+        .source = "Rusu et al. 2008",
+        .parameters = {{.key = "k",
+                        .label = "Neighbors",
+                        .help = "How many nearest points the mean distance is taken of, not counting the point "
+                                "itself.",
+                        .type = Type::Integer,
+                        .preset = "8",
+                        .min = 1,
+                        .max = 1000},
+                       {.key = "deviations",
+                        .label = "Deviations",
+                        .help = "How many standard deviations above the mean a point is an outlier.",
+                        .preset = "3",
+                        .min = 0,
+                        .max = 100},
+                       {.key = "class",
+                        .label = "Class",
+                        .help = "The class outliers get.",
+                        .type = Type::ClassCode,
+                        .preset = "7"}},
+        .shows = "Classification"};
+    return about;
 }
 
-std::unique_ptr<Command> OutliersStep::run(const PointCloud& cloud, const StepValues& values,
-                                           Progress& progress) const
+std::unique_ptr<Command> OutliersStep::make(const PointCloud& cloud, const StepValues& values,
+                                            const PointSet* within, Progress& progress) const
 {
-    const StepValues complete = completeValues(*this, values);
-    const auto k = std::size_t(*integerValue(complete, "k"));
-    const auto code = std::uint32_t(*integerValue(complete, "class"));
+    const auto k = std::size_t(*integerValue(values, "k"));
+    const auto code = std::uint32_t(*integerValue(values, "class"));
     const Attribute classes = classAttribute(cloud, code);
     // Of k points or fewer none has k neighbors; nothing is unusual then.
     if (cloud.size() <= k) return nullptr;
@@ -106,7 +110,7 @@ std::unique_ptr<Command> OutliersStep::run(const PointCloud& cloud, const StepVa
     const Sums sums = sumUp(distances, progress);
     const double mean = sums.sum / count;
     const double variance = (sums.squares - sums.sum * sums.sum / count) / (count - 1);
-    const double threshold = mean + *realValue(complete, "deviations") * std::sqrt(std::max(0.0, variance));
+    const double threshold = mean + *realValue(values, "deviations") * std::sqrt(std::max(0.0, variance));
 
     auto points = std::make_shared<PointSet>(cloud.size());
     const std::uint8_t* const byte = classes.columns[0]->values<std::uint8_t>().data();
@@ -119,6 +123,7 @@ std::unique_ptr<Command> OutliersStep::run(const PointCloud& cloud, const StepVa
         for (std::size_t i = firstWord * 64; i < last; ++i)
             if (double(distances[i]) > threshold && (beyond || (byte[i] & mask) != bits)) points->insert(i);
     });
+    if (within != nullptr) points->intersect(*within);
     return makeClassCommand("Outliers to " + classLabel(code), classes, std::move(points), code);
 }
 

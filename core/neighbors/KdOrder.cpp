@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/process/KdOrder.h"
+#include "core/neighbors/KdOrder.h"
 
 #include "core/Error.h"
 #include "core/task/Progress.h"
