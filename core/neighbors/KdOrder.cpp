@@ -84,7 +84,7 @@ void KdOrder::drop(const PointCloud& cloud) noexcept
     kept.without.reset();
 }
 
-KdOrder::KdOrder(const PointCloud& cloud, Progress& progress)
+KdOrder::KdOrder(const PointCloud& cloud, Progress& progress, const PointSet* only)
 {
     if (cloud.size() > UINT32_MAX)
         throw Error("This step handles up to 4,294,967,295 points; split the cloud first.");
@@ -99,22 +99,37 @@ KdOrder::KdOrder(const PointCloud& cloud, Progress& progress)
         m_axes[a] = m_columns[a]->values<std::int32_t>().data();
         m_scale[a] = std::fabs(cloud.coordinates().scale[int(a)]) * m_lengths.stretch[int(a)];
     }
-    const std::size_t n = cloud.size();
+    const std::size_t n = cloud.size(), count = only == nullptr ? n : only->count();
     progress.begin("Sorting points by place", 3 * n);
-    m_leaves = std::bit_ceil(std::clamp<std::size_t>(n / kLeafPoints, 1, kMostSamples / kSamplesPerLeaf));
+    m_leaves = std::bit_ceil(std::clamp<std::size_t>(count / kLeafPoints, 1, kMostSamples / kSamplesPerLeaf));
     m_splits.resize(m_leaves);
 
-    std::vector<std::uint32_t> sample(std::min(n, m_leaves * kSamplesPerLeaf));
-    for (std::size_t k = 0; k < sample.size(); ++k) {
-        // One of each run of points, not always the same one: scan lines repeat, and must not beat with the sample.
-        const std::uint64_t first = std::uint64_t(k) * n / sample.size(),
-                            last = (std::uint64_t(k) + 1) * n / sample.size();
-        const std::uint64_t h = (std::uint64_t(k) + 1) * 0x9E3779B97F4A7C15u;
-        sample[k] = std::uint32_t(first + (h >> 32) % (last - first));
-    }
+    std::vector<std::uint32_t> sample = sampled(n, only);
     chooseSplits(sample, progress);
-    sortIntoLeaves(deleted.get(), progress);
+    sortIntoLeaves(deleted.get(), only, progress);
     computeBoxes(progress);
+}
+
+std::vector<std::uint32_t> KdOrder::sampled(std::size_t n, const PointSet* only) const
+{
+    const std::size_t count = only == nullptr ? n : only->count();
+    std::vector<std::uint32_t> sample(std::min(count, m_leaves * kSamplesPerLeaf));
+    // One of each run of points, not always the same one: scan lines repeat, and must not beat with the sample.
+    const auto place = [&](std::size_t k) {
+        const std::uint64_t first = std::uint64_t(k) * count / sample.size(),
+                            last = (std::uint64_t(k) + 1) * count / sample.size();
+        const std::uint64_t h = (std::uint64_t(k) + 1) * 0x9E3779B97F4A7C15u;
+        return std::uint32_t(first + (h >> 32) % (last - first));
+    };
+    if (only == nullptr) {
+        for (std::size_t k = 0; k < sample.size(); ++k) sample[k] = place(k);
+        return sample;
+    }
+    std::size_t k = 0, member = 0;
+    only->forEach([&](PointIndex point) {
+        if (k < sample.size() && member++ == place(k)) sample[k++] = std::uint32_t(point);
+    });
+    return sample;
 }
 
 void KdOrder::chooseSplits(std::vector<std::uint32_t>& sample, const Progress& progress)
@@ -159,7 +174,7 @@ void KdOrder::split(std::size_t node, std::uint32_t* first, std::uint32_t* last,
     }
 }
 
-void KdOrder::sortIntoLeaves(const PointSet* leftOut, Progress& progress)
+void KdOrder::sortIntoLeaves(const PointSet* leftOut, const PointSet* only, Progress& progress)
 {
     constexpr std::uint32_t kNoLeaf = UINT32_MAX;
     const std::size_t n = m_columns[0]->size();
@@ -179,7 +194,7 @@ void KdOrder::sortIntoLeaves(const PointSet* leftOut, Progress& progress)
     std::vector<std::vector<std::uint32_t>> counts(kRanges, std::vector<std::uint32_t>(m_leaves));
     forRanges([&](std::size_t range, std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
-            if (leftOut != nullptr && leftOut->contains(i)) {
+            if ((leftOut != nullptr && leftOut->contains(i)) || (only != nullptr && !only->contains(i))) {
                 leafOf[i] = kNoLeaf;
                 continue;
             }
@@ -257,23 +272,22 @@ std::vector<std::size_t> KdOrder::tiles(std::size_t most) const
     return found;
 }
 
-double KdOrder::squaredDistance(const Raw& from, const Box& box) const noexcept
+double KdOrder::squaredDistance(const Place& from, const Box& box) const noexcept
 {
     double sum = 0;
     for (std::size_t a = 0; a < 3; ++a) {
-        const std::int64_t below = std::int64_t(box.min[a]) - from[a], above = std::int64_t(from[a]) - box.max[a];
-        const double d = double(std::max<std::int64_t>({0, below, above})) * m_scale[a];
+        const double below = double(box.min[a]) - from[a], above = from[a] - double(box.max[a]);
+        const double d = std::max({0.0, below, above}) * m_scale[a];
         sum += d * d;
     }
     return sum;
 }
 
-void KdOrder::nearest(std::uint32_t point, std::size_t k, std::vector<Found>& found) const
+void KdOrder::nearest(const Place& from, std::size_t k, std::vector<Found>& found) const
 {
     found.clear();
     k = std::min(k, size());
     if (k == 0) return;
-    const Raw from = raw(point);
     struct Open {
         std::size_t node;
         double squared;
@@ -312,10 +326,9 @@ void KdOrder::nearest(std::uint32_t point, std::size_t k, std::vector<Found>& fo
     std::sort_heap(found.begin(), found.end());
 }
 
-bool KdOrder::within(std::uint32_t point, double radius, std::vector<Found>& found, const Progress& progress) const
+bool KdOrder::within(const Place& from, double radius, std::vector<Found>& found, const Progress& progress) const
 {
     found.clear();
-    const Raw from = raw(point);
     const double limit = radius * radius;
     std::array<std::size_t, 64> stack{1};
     for (std::size_t depth = 1; depth != 0;) {

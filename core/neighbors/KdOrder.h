@@ -15,19 +15,19 @@ namespace punctum
 
 class Progress;
 
-/// The points of a cloud, but for deleted ones, sorted into the leaves of a kd-tree (Bentley 1975), each with its
-/// tight box.
-/// It serves two ends: near points lie together, so that the cloud can be worked on piece by piece whatever its
-/// density; and the exact neighbors of a single point can be found across all pieces. The splits are the medians
-/// of a sample, so that sorting is one parallel pass that can be cancelled, and the same on any number of threads.
-/// Distances are true lengths (trueLengths()): a degree and a foot of height count as what they are. They are
-/// computed from the raw integers in double: coordinates of any size keep their precision.
+/// The points of a cloud, or some of them, but for deleted ones, sorted into the leaves of a kd-tree (Bentley
+/// 1975), each with its tight box. It serves two ends: near points lie together, so that the cloud can be worked on
+/// piece by piece whatever its density; and the exact neighbors of a single point can be found across all pieces.
+/// The splits are the medians of a sample, so that sorting is one parallel pass that can be cancelled, and the same
+/// on any number of threads. Distances are true lengths (trueLengths()): a degree and a foot of height count as
+/// what they are. They are computed from the raw integers in double: coordinates of any size keep their precision.
 ///
 /// Coordinates never change, so nothing is locked after construction. Every question may be asked from any thread.
 class KdOrder
 {
 public:
     using Raw = std::array<std::int32_t, 3>;
+    using Place = std::array<double, 3>;  ///< raw coordinates that may lie between those of points, or outside
 
     /// Box of raw coordinates; empty when min > max.
     struct Box {
@@ -53,8 +53,9 @@ public:
     /// The cloud keeps none any longer; who has one goes on.
     static void drop(const PointCloud& cloud) noexcept;
 
-    /// Takes cloud.mutex() shared for a moment. Throws Cancelled, and Error when there are more than 2^32 points.
-    KdOrder(const PointCloud& cloud, Progress& progress);
+    /// Of the points in `only` alone; null: of all that are not deleted. Takes cloud.mutex() shared for a moment.
+    /// Throws Cancelled, and Error when there are more than 2^32 points.
+    KdOrder(const PointCloud& cloud, Progress& progress, const PointSet* only = nullptr);
 
     /// Of the points in it.
     std::size_t size() const noexcept { return m_order.size(); }
@@ -78,15 +79,29 @@ public:
     const std::array<double, 3>& scale() const noexcept { return m_scale; }
     /// What distances are told in.
     const TrueLengths& lengths() const noexcept { return m_lengths; }
-    double squaredDistance(std::uint32_t a, std::uint32_t b) const noexcept { return squaredDistance(raw(a), b); }
+    double squaredDistance(std::uint32_t a, std::uint32_t b) const noexcept
+    {
+        return squaredDistance(place(raw(a)), b);
+    }
     /// Squared distance from a place to the nearest place of a box.
-    double squaredDistance(const Raw& from, const Box& box) const noexcept;
+    double squaredDistance(const Place& from, const Box& box) const noexcept;
+    static Place place(const Raw& raw) noexcept { return {double(raw[0]), double(raw[1]), double(raw[2])}; }
 
-    /// The k points nearest to `point`, itself among them, nearest first; all points when there are not so many.
-    void nearest(std::uint32_t point, std::size_t k, std::vector<Found>& found) const;
+    /// The k points nearest to `point`, itself among them, nearest first (of equally near ones those of smaller
+    /// index first); all points when there are not so many.
+    void nearest(std::uint32_t point, std::size_t k, std::vector<Found>& found) const
+    {
+        nearest(place(raw(point)), k, found);
+    }
+    /// Those nearest to any place.
+    void nearest(const Place& from, std::size_t k, std::vector<Found>& found) const;
     /// The points not further than `radius`, `point` itself among them, in no order. False when cancelled
     /// meanwhile.
-    bool within(std::uint32_t point, double radius, std::vector<Found>& found, const Progress& progress) const;
+    bool within(std::uint32_t point, double radius, std::vector<Found>& found, const Progress& progress) const
+    {
+        return within(place(raw(point)), radius, found, progress);
+    }
+    bool within(const Place& from, double radius, std::vector<Found>& found, const Progress& progress) const;
     /// Calls f(leaf) for each leaf with points in [min, max] (raw, may lie between values) that is not below
     /// `except`.
     template <typename F>
@@ -115,18 +130,19 @@ private:
         std::int32_t value = INT32_MAX;  ///< less than it: left
         std::uint8_t axis = 0;
     };
-    double squaredDistance(const Raw& from, std::uint32_t to) const noexcept
+    double squaredDistance(const Place& from, std::uint32_t to) const noexcept
     {
         double sum = 0;
         for (std::size_t a = 0; a < 3; ++a) {
-            const double d = double(std::int64_t(from[a]) - m_axes[a][to]) * m_scale[a];
+            const double d = (from[a] - double(m_axes[a][to])) * m_scale[a];
             sum += d * d;
         }
         return sum;
     }
+    std::vector<std::uint32_t> sampled(std::size_t n, const PointSet* only) const;
     void chooseSplits(std::vector<std::uint32_t>& sample, const Progress& progress);
     void split(std::size_t node, std::uint32_t* first, std::uint32_t* last, const Progress& progress);
-    void sortIntoLeaves(const PointSet* leftOut, Progress& progress);
+    void sortIntoLeaves(const PointSet* leftOut, const PointSet* only, Progress& progress);
     void computeBoxes(Progress& progress);
 
     std::array<std::shared_ptr<const Column>, 3> m_columns;

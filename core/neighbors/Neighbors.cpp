@@ -39,6 +39,7 @@ public:
     }
 
     std::span<const std::uint32_t> own() const { return m_own; }
+    const std::vector<std::uint32_t>& indices() const { return m_indices; }
     const pcl::PointCloud<pcl::PointXYZ>& points() const { return *m_points; }
 
     /// Takes in the points not further than `margin` outside the tile's box; none, and false, when they are more
@@ -67,6 +68,7 @@ public:
         });
         if (fits) return true;
         m_points->resize(m_own.size());
+        m_indices.resize(m_own.size());
         for (std::size_t a = 0; a < 3; ++a) {
             m_min[a] = double(box.min[a]);
             m_max[a] = double(box.max[a]);
@@ -93,6 +95,7 @@ public:
 private:
     void add(std::uint32_t p)
     {
+        m_indices.push_back(p);
         const auto l = m_order.local(p, m_origin);
         m_points->push_back({l[0], l[1], l[2]});
     }
@@ -101,6 +104,7 @@ private:
     std::size_t m_node;
     std::span<const std::uint32_t> m_own;
     std::array<double, 3> m_origin{}, m_min{}, m_max{};
+    std::vector<std::uint32_t> m_indices;  ///< of the points, in their order
     pcl::PointCloud<pcl::PointXYZ>::Ptr m_points;
 };
 
@@ -125,29 +129,34 @@ public:
     {
         const auto& points = tile.points();
         const pcl::PointXYZ& q = points[own];
+        m_points.clear();
         m_offsets.clear();
         for (const auto k : indices) {
+            m_points.push_back(tile.indices()[std::size_t(k)]);
             const pcl::PointXYZ& p = points[std::size_t(k)];
             m_offsets.push_back({p.x - q.x, p.y - q.y, p.z - q.z});
         }
-        m_visit({point, m_offsets, squared});
+        m_visit({point, m_points, m_offsets, squared});
     }
     void fromOrder(std::uint32_t point, const std::vector<KdOrder::Found>& found)
     {
         const KdOrder::Raw r = m_order.raw(point);
         const std::array<double, 3> origin = {double(r[0]), double(r[1]), double(r[2])};
+        m_points.clear();
         m_offsets.clear();
         m_squared.clear();
         for (const KdOrder::Found& f : found) {
+            m_points.push_back(f.point);
             m_offsets.push_back(m_order.local(f.point, origin));
             m_squared.push_back(float(f.squared));
         }
-        m_visit({point, m_offsets, m_squared});
+        m_visit({point, m_points, m_offsets, m_squared});
     }
 
 private:
     const KdOrder& m_order;
     const NeighborVisitor& m_visit;
+    std::vector<std::uint32_t> m_points;
     std::vector<std::array<float, 3>> m_offsets;
     std::vector<float> m_squared;
 };

@@ -15,7 +15,8 @@ namespace punctum
 /// The surroundings of one point. Lengths in KdOrder::lengths().
 struct Neighborhood {
     std::uint32_t point = 0;
-    std::span<const std::array<float, 3>> offsets;  ///< of the neighbors from the point; itself is among them
+    std::span<const std::uint32_t> points;          ///< indices of the neighbors; itself is among them
+    std::span<const std::array<float, 3>> offsets;  ///< of the neighbors from the point
     std::span<const float> squared;                 ///< their distances, squared
 };
 

@@ -123,6 +123,7 @@ private slots:
     void nearestAreExact();
     void withinIsExact_data() { trouble(); }
     void withinIsExact();
+    void orderOfSomePoints();
     void smallCloudsWork();
     void normalsStandOnPlanes_data();
     void normalsStandOnPlanes();
@@ -186,7 +187,8 @@ void NeighborsTest::nearestAreExact()
             bool good = n.offsets.size() == k && n.squared.size() == k && n.squared[0] == 0.0f;
             for (std::size_t j = 0; j < k && good; ++j) {
                 const auto& o = n.offsets[j];
-                good = near(n.squared[j], double(o[0]) * o[0] + double(o[1]) * o[1] + double(o[2]) * o[2]) &&
+                good = n.points.size() == k &&
+                       near(n.squared[j], double(o[0]) * o[0] + double(o[1]) * o[1] + double(o[2]) * o[2]) &&
                        (j == 0 || n.squared[j] >= n.squared[j - 1]);
             }
             if (!good) consistent = false;
@@ -234,6 +236,45 @@ void NeighborsTest::withinIsExact()
         std::uint32_t expected = 0;
         for (PointIndex i = 0; i < cloud->size(); ++i) expected += distance2(*cloud, p, i) <= radius * radius;
         QCOMPARE(counts[p].load(), expected);
+    }
+}
+
+void NeighborsTest::orderOfSomePoints()
+{
+    for (const char* kind : kTrouble) {
+        const auto cloud = makeTrouble(kind, 20'000);
+        PointSet some(cloud->size());
+        for (PointIndex i = 3; i < cloud->size(); i += 1 + i % 7) some.insert(i);
+        Progress progress;
+        const KdOrder order(*cloud, progress, &some);
+        QCOMPARE(order.size(), some.count());
+        std::vector<KdOrder::Found> found;
+        for (PointIndex i = 0; i < cloud->size(); i += 503) {
+            // from a place beside a point, which need not be in the order
+            KdOrder::Place place = KdOrder::place(order.raw(std::uint32_t(i)));
+            place[0] += 1234.5;
+            std::vector<KdOrder::Found> expected;
+            some.forEach([&](PointIndex p) {
+                const KdOrder::Raw r = order.raw(std::uint32_t(p));
+                double sum = 0;
+                for (std::size_t a = 0; a < 3; ++a) {
+                    const double d = (place[a] - double(r[a])) * order.scale()[a];
+                    sum += d * d;
+                }
+                expected.push_back({sum, std::uint32_t(p)});
+            });
+            std::sort(expected.begin(), expected.end());
+            order.nearest(place, 9, found);
+            QCOMPARE(found.size(), std::size_t(9));
+            for (std::size_t j = 0; j < found.size(); ++j) {
+                QCOMPARE(found[j].squared, expected[j].squared);
+                QCOMPARE(found[j].point, expected[j].point);
+            }
+        }
+        const PointSet none(cloud->size());
+        const KdOrder empty(*cloud, progress, &none);
+        empty.nearest(KdOrder::Place{}, 3, found);
+        QVERIFY(empty.size() == 0 && found.empty());
     }
 }
 
