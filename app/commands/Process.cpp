@@ -3,6 +3,7 @@
 #include "app/Console.h"
 #include "app/Files.h"
 #include "app/commands/Command.h"
+#include "app/commands/StepList.h"
 #include "core/Error.h"
 #include "core/Text.h"
 #include "core/las/Writer.h"
@@ -13,215 +14,136 @@
 #include <chrono>
 #include <memory>
 
-    namespace punctum::app
+namespace punctum::app
 {
-    namespace
-    {
+namespace
+{
 
-    struct ProcessOptions {
-        std::vector<std::string> in;
-        std::string out;
-        std::vector<std::string> steps;
-        bool upgrade = false;
-        bool noVerify = false;
-        bool replaceProtected = false;
-        bool list = false;
-        bool json = false;
-    };
+struct ProcessOptions {
+    std::vector<std::string> in;
+    std::string out;
+    std::vector<std::string> steps;
+    bool upgrade = false;
+    bool noVerify = false;
+    bool replaceProtected = false;
+    bool list = false;
+    bool markdown = false;
+    bool json = false;
+};
 
-    std::string_view nameOf(StepParameter::Type type)
-    {
-        switch (type) {
-            case StepParameter::Type::Integer:
-                return "integer";
-            case StepParameter::Type::Real:
-                return "real";
-            case StepParameter::Type::AttributeName:
-                return "attribute";
-            case StepParameter::Type::ClassCode:
-                return "class";
-            case StepParameter::Type::ClassCodes:
-                return "classes";
-            case StepParameter::Type::Rule:
-                return "rule";
-            case StepParameter::Type::Condition:
-                return "condition";
-            case StepParameter::Type::Text:
-                return "text";
-            case StepParameter::Type::Choice:
-                return "choice";
+/// Steps from the shell's words, where "--step normals k=16" may have come without quotation marks: a word that
+/// begins with a key belongs to the step before it.
+std::vector<std::string> joinedSteps(const std::vector<std::string>& words)
+{
+    std::vector<std::string> steps;
+    for (const std::string& word : words) {
+        const std::size_t equals = word.find('=');
+        const std::size_t space = word.find(' ');
+        if (equals == std::string::npos || equals > space || steps.empty())
+            steps.push_back(word);
+        else if (space == std::string::npos)
+            steps.back() += ' ' + word;
+        else {
+            const char mark = word.find('"') == std::string::npos ? '"' : '\'';
+            steps.back() += ' ' + word.substr(0, equals + 1) + mark + word.substr(equals + 1) + mark;
         }
-        return "";
     }
+    return steps;
+}
 
-    std::string joined(const std::vector<std::string>& words)
-    {
-        std::string text;
-        for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-        return text;
+/// Whether one of the values that were given is a length.
+bool hasLength(const ParsedStep& step)
+{
+    const auto parameters = step.step->parameters();
+    return std::any_of(parameters.begin(), parameters.end(), [&](const StepParameter& p) {
+        return p.unit == StepParameter::Unit::Length && step.values.contains(p.key);
+    });
+}
+
+void runProcess(const ProcessOptions& options, Progress& progress)
+{
+    if (options.list) {
+        if (options.json)
+            printJson(jsonOfSteps());
+        else
+            print(options.markdown ? markdownOfSteps() : textOfSteps());
+        return;
     }
-
-    Json jsonOfSteps()
-    {
-        Json all = Json::array();
-        for (const Step* step : allSteps()) {
-            Json parameters = Json::array();
-            for (const StepParameter& p : step->parameters())
-                parameters.push_back({{"key", p.key},
-                                      {"label", p.label},
-                                      {"help", p.help},
-                                      {"type", nameOf(p.type)},
-                                      {"default", p.preset.empty() ? Json(nullptr) : Json(p.preset)},
-                                      {"default_text", presetText(p)},
-                                      {"min", p.min},
-                                      {"max", p.max},
-                                      {"optional", p.optional},
-                                      {"choices", p.choices},
-                                      {"unit", p.unit == StepParameter::Unit::Length ? "length" : ""}});
-            all.push_back({{"name", step->name()},
-                           {"title", step->title()},
-                           {"group", nameOf(step->description().group)},
-                           {"help", step->help()},
-                           {"source", step->description().source},
-                           {"narrows", step->description().narrows},
-                           {"parameters", parameters}});
+    // all that can be wrong is found before the first point is read
+    const std::vector<std::string> words = joinedSteps(options.steps);
+    std::vector<ParsedStep> steps;
+    for (const std::string& text : words) {
+        try {
+            steps.push_back(parseStep(text));
+            completeValues(*steps.back().step, steps.back().values);
+        } catch (const Error& error) {
+            throw UsageError(error.what());
         }
-        return all;
     }
+    const std::vector<std::filesystem::path> files = inputFiles(options.in, progress);
+    const Output out = outputOf(options.out, files.size() > 1);
+    const auto session = loadForWriting(files, out, progress);
 
-    std::string textOfSteps()
-    {
-        std::string text;
-        for (const Step* step : allSteps()) {
-            text += (text.empty() ? "" : "\n") + step->name() + "\n    " + step->help() + "\n";
-            for (const StepParameter& p : step->parameters()) {
-                std::string key = "    " + p.key + "=" + std::string(nameOf(p.type));
-                key.resize(std::max<std::size_t>(key.size() + 2, 28), ' ');
-                text += key + p.help;
-                if (!p.choices.empty()) text += " One of " + joined(p.choices) + ".";
-                if (p.unit == StepParameter::Unit::Length)
-                    text += " In the unit of X and Y; in meters where these are degrees.";
-                const std::string preset = presetText(p);
-                if (!preset.empty())
-                    text += " " + preset;
-                else
-                    text += p.optional ? " Optional." : " Must be given.";
-                text += '\n';
-            }
+    Json report = Json::array();
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+        const auto start = std::chrono::steady_clock::now();
+        const EditOutcome outcome = session->edit({steps[k].step->name(), steps[k].values, nullptr}, progress);
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+        Json line = {{"step", words[k]}, {"points_changed", outcome.changed}, {"seconds", seconds.count()}};
+        if (!outcome.finding.empty()) line["finding"] = outcome.finding;
+        std::string lengths;
+        if (hasLength(steps[k])) {
+            const std::string unit = trueLengths(*session->cloud(), WorldBounds()).unit;
+            line["length_unit"] = unit;
+            lengths =
+                unit.empty() ? " (the file does not say the unit of its lengths)" : " (lengths in " + unit + ")";
         }
-        return text;
+        report.push_back(std::move(line));
+        if (!options.json)
+            note(words[k] + ": " + pointsText(outcome.changed) + " changed" + lengths + "." +
+                 (outcome.finding.empty() ? "" : " " + outcome.finding));
     }
+    las::WriteOptions write;
+    write.verify = !options.noVerify;
+    write.replaceProtected = options.replaceProtected;
+    write.upgrade = options.upgrade;
+    reportWritten(saveSession(*session, out, write, progress), options.out, options.json, {{"steps", report}});
+}
 
-    /// Steps from the shell's words, where "--step normals k=16" may have come without quotation marks: a word that
-    /// begins with a key belongs to the step before it.
-    std::vector<std::string> joinedSteps(const std::vector<std::string>& words)
-    {
-        std::vector<std::string> steps;
-        for (const std::string& word : words) {
-            const std::size_t equals = word.find('=');
-            const std::size_t space = word.find(' ');
-            if (equals == std::string::npos || equals > space || steps.empty())
-                steps.push_back(word);
-            else if (space == std::string::npos)
-                steps.back() += ' ' + word;
-            else {
-                const char mark = word.find('"') == std::string::npos ? '"' : '\'';
-                steps.back() += ' ' + word.substr(0, equals + 1) + mark + word.substr(equals + 1) + mark;
-            }
+}  // namespace
+
+void addProcess(CLI::App& root, Action& action)
+{
+    CLI::App& command = addCommand(root, "process",
+                                   "Run processing steps over a cloud, one after the other, and write "
+                                   "the result. --list-steps tells which steps there are.");
+    const auto options = std::make_shared<ProcessOptions>();
+    CLI::Option* in =
+        command.add_option("IN", options->in, "LAS or LAZ files, folders or .vpc, taken as one survey");
+    CLI::Option* out =
+        command
+            .add_option("-o,--output", options->out,
+                        "File to write (.las or .laz), or a folder, in which each file gets its own name")
+            ->type_name("OUT");
+    CLI::Option* steps = command
+                             .add_option("--step", options->steps,
+                                         "A step: its name, then key=value for each parameter, such as "
+                                         "--step \"normals k=16\"; may be given again for further steps")
+                             ->type_name("STEP");
+    addUpgrade(command, options->upgrade);
+    addNoVerify(command, options->noVerify);
+    addReplaceProtected(command, options->replaceProtected);
+    command.add_flag("--list-steps", options->list, "List all steps with their parameters, and do nothing else");
+    command.add_flag("--markdown", options->markdown, "The list of steps as a page in Markdown: docs/steps.md");
+    command.add_flag("--json", options->json, "Report in JSON");
+    command.callback([=, &action] {
+        if (!options->list) {
+            if (in->empty()) throw CLI::RequiredError("IN");
+            if (out->empty()) throw CLI::RequiredError("-o OUT");
+            if (steps->empty()) throw CLI::RequiredError("--step");
         }
-        return steps;
-    }
-
-    /// Whether one of the values that were given is a length.
-    bool hasLength(const ParsedStep& step)
-    {
-        const auto parameters = step.step->parameters();
-        return std::any_of(parameters.begin(), parameters.end(), [&](const StepParameter& p) {
-            return p.unit == StepParameter::Unit::Length && step.values.contains(p.key);
-        });
-    }
-
-    void runProcess(const ProcessOptions& options, Progress& progress)
-    {
-        if (options.list) {
-            options.json ? printJson(jsonOfSteps()) : print(textOfSteps());
-            return;
-        }
-        // all that can be wrong is found before the first point is read
-        const std::vector<std::string> words = joinedSteps(options.steps);
-        std::vector<ParsedStep> steps;
-        for (const std::string& text : words) {
-            try {
-                steps.push_back(parseStep(text));
-                completeValues(*steps.back().step, steps.back().values);
-            } catch (const Error& error) {
-                throw UsageError(error.what());
-            }
-        }
-        const std::vector<std::filesystem::path> files = inputFiles(options.in, progress);
-        const Output out = outputOf(options.out, files.size() > 1);
-        const auto session = loadForWriting(files, out, progress);
-
-        Json report = Json::array();
-        for (std::size_t k = 0; k < steps.size(); ++k) {
-            const auto start = std::chrono::steady_clock::now();
-            const EditOutcome outcome = session->edit({steps[k].step->name(), steps[k].values, nullptr}, progress);
-            const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-            Json line = {{"step", words[k]}, {"points_changed", outcome.changed}, {"seconds", seconds.count()}};
-            if (!outcome.finding.empty()) line["finding"] = outcome.finding;
-            std::string lengths;
-            if (hasLength(steps[k])) {
-                const std::string unit = trueLengths(*session->cloud(), WorldBounds()).unit;
-                line["length_unit"] = unit;
-                lengths = unit.empty() ? " (the file does not say the unit of its lengths)"
-                                       : " (lengths in " + unit + ")";
-            }
-            report.push_back(std::move(line));
-            if (!options.json)
-                note(words[k] + ": " + pointsText(outcome.changed) + " changed" + lengths + "." +
-                     (outcome.finding.empty() ? "" : " " + outcome.finding));
-        }
-        las::WriteOptions write;
-        write.verify = !options.noVerify;
-        write.replaceProtected = options.replaceProtected;
-        write.upgrade = options.upgrade;
-        reportWritten(saveSession(*session, out, write, progress), options.out, options.json, {{"steps", report}});
-    }
-
-    }  // namespace
-
-    void addProcess(CLI::App & root, Action & action)
-    {
-        CLI::App& command = addCommand(root, "process",
-                                       "Run processing steps over a cloud, one after the other, and write "
-                                       "the result. --list-steps tells which steps there are.");
-        const auto options = std::make_shared<ProcessOptions>();
-        CLI::Option* in =
-            command.add_option("IN", options->in, "LAS or LAZ files, folders or .vpc, taken as one survey");
-        CLI::Option* out =
-            command
-                .add_option("-o,--output", options->out,
-                            "File to write (.las or .laz), or a folder, in which each file gets its own name")
-                ->type_name("OUT");
-        CLI::Option* steps = command
-                                 .add_option("--step", options->steps,
-                                             "A step: its name, then key=value for each parameter, such as "
-                                             "--step \"normals k=16\"; may be given again for further steps")
-                                 ->type_name("STEP");
-        addUpgrade(command, options->upgrade);
-        addNoVerify(command, options->noVerify);
-        addReplaceProtected(command, options->replaceProtected);
-        command.add_flag("--list-steps", options->list,
-                         "List all steps with their parameters, and do nothing else");
-        command.add_flag("--json", options->json, "Report in JSON");
-        command.callback([=, &action] {
-            if (!options->list) {
-                if (in->empty()) throw CLI::RequiredError("IN");
-                if (out->empty()) throw CLI::RequiredError("-o OUT");
-                if (steps->empty()) throw CLI::RequiredError("--step");
-            }
-            action = [options](Progress& p) { runProcess(*options, p); };
-        });
-    }
+        action = [options](Progress& p) { runProcess(*options, p); };
+    });
+}
 
 }  // namespace punctum::app
