@@ -3,6 +3,7 @@
 #include "app/Picture.h"
 #include "app/Window.h"
 #include "app/commands/Bench.h"
+#include "app/commands/StepBeside.h"
 #include "core/Error.h"
 #include "core/task/Progress.h"
 
@@ -30,6 +31,7 @@ struct BenchRenderOptions : BenchOptions {
     double budget = render::kFrameMilliseconds;
     double budgetPoints = 0;
     double spacings = 0;  ///< 0: points of 1 px
+    std::string beside;   ///< a step that runs meanwhile; empty: none
     PictureSize size;
 };
 
@@ -120,6 +122,12 @@ void measureConvergence(const Stage& stage, Figures& figures, Progress& progress
 
 void runBenchRender(const BenchRenderOptions& options, Progress& progress)
 {
+    ParsedStep step;
+    try {
+        if (!options.beside.empty()) step = parseStep(options.beside);
+    } catch (const Error& error) {
+        throw UsageError(error.what());
+    }
     const WindowLook look = options.asWindow ? windowLook() : WindowLook();
     const bool windowChooses = options.asWindow && options.backend == "auto";
     HeadlessRenderer headless(windowChooses ? std::string(render::nameOf(look.backend)) : options.backend);
@@ -148,11 +156,17 @@ void runBenchRender(const BenchRenderOptions& options, Progress& progress)
     figures.fact("as_window", options.asWindow);
     figures.fact("eye_dome", display.eyeDome > 0);
     figures.fact("holes_closed", display.fillHoles);
+    if (!options.beside.empty()) figures.fact("step", options.beside);
     figures.fact("adaptive_size", display.sizing == render::PointSizing::Density ? display.spacings : 0.0);
     std::vector<std::vector<double>> covered;
     for (int round = 0; round < options.rounds; ++round) {
         measureBruteForce(stage, points, figures);
-        covered.push_back(measureOrbit(stage, figures, progress));
+        {
+            std::optional<StepBeside> beside;
+            if (!options.beside.empty()) beside.emplace(*cloud.cloud, step);
+            covered.push_back(measureOrbit(stage, figures, progress));
+            if (beside) figures.add("while.runs", beside->runs());
+        }
         measureConvergence(stage, figures, progress);
     }
 
@@ -198,6 +212,11 @@ void addBenchRender(CLI::App& bench, Action& action)
                     "Width of points in spacings of the cloud's points, as the window draws them; default: 1 px")
         ->type_name("N")
         ->check(CLI::Range(0.1, 20.0));
+    command
+        .add_option("--while", options->beside,
+                    "A processing step that runs again and again during the turn, as a job of the window does: "
+                    "\"normals k=16\"")
+        ->type_name("STEP");
     command.add_option("--order", options->order, "Order of drawing: stratified (the default) or prime")
         ->type_name("NAME")
         ->check(CLI::IsMember({"stratified", "prime"}));

@@ -95,6 +95,20 @@ private slots:
         QVERIFY(figures["bytes_down"]["max"].toDouble() <= (backend == "cpu" ? 0 : 64));
     }
 
+    // A step runs beside the turn, and ends with it however long it would take.
+    void measuresATurnBesideAStep()
+    {
+        const Outcome run =
+            runPunctum({"bench", "render", path("in.las"), "--json", "--rounds", "1", "--size", "160x100",
+                        "--budget-points", "20000", "--backend", "cpu", "--while", "normals k=16"});
+        PUNCTUM_EXIT(run, 0);
+        const QJsonObject figures = run.json().object();
+        QCOMPARE(figures["step"].toString(), QStringLiteral("normals k=16"));
+        QVERIFY(isFigure(figures["orbit"]["frame_ms_p95"], 1e-6) && figures["while"]["runs"].isObject());
+        const Outcome wrong = runPunctum({"bench", "render", path("in.las"), "--while", "normals k=0"});
+        PUNCTUM_EXIT(wrong, 2);
+    }
+
     void measuresTheRest_data()
     {
         QTest::addColumn<QStringList>("arguments");
