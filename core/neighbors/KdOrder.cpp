@@ -2,6 +2,7 @@
 #include "core/neighbors/KdOrder.h"
 
 #include "core/Error.h"
+#include "core/MachineMemory.h"
 #include "core/task/Progress.h"
 
 #include <tbb/blocked_range.h>
@@ -21,11 +22,19 @@ namespace punctum
 namespace
 {
 
-constexpr std::size_t kLeafPoints = 192;         ///< aimed at; measured best between searching and sorting
-constexpr std::size_t kSamplesPerLeaf = 16;      ///< medians are then good to a few leaves in a hundred
-constexpr std::size_t kMostSamples = 2'000'000;  ///< one nth_element of them stays under 50 ms
-constexpr std::size_t kRanges = 64;              ///< pieces of the cloud that are sorted side by side
-constexpr std::size_t kCheck = 1 << 14;          ///< points between two looks at the cancel flag
+constexpr std::size_t kLeafPoints = 32;        ///< at most, where places differ; at least half of it
+constexpr std::size_t kBucketPoints = 4096;    ///< about: sorted into leaves by one thread, in its cache
+constexpr std::size_t kMostBuckets = 32'768;   ///< a bucket's number fits into 16 bits, with one left for none
+constexpr std::size_t kSamplesPerBucket = 64;  ///< medians are then good to some hundredths
+constexpr std::size_t kRanges = 64;            ///< pieces of the cloud that are sorted side by side
+constexpr std::size_t kCheck = 1 << 14;        ///< points between two looks at the cancel flag
+constexpr std::size_t kLargeBucket = 1 << 20;  ///< looked at before it is copied: most of it may be in one place
+constexpr std::uint64_t kShareKept = 32;       ///< of the machine's memory, which a cloud's order may keep
+
+std::size_t longestOf(const std::array<double, 3>& extents)
+{
+    return std::size_t(std::max_element(extents.begin(), extents.end()) - extents.begin());
+}
 
 }  // namespace
 
@@ -69,7 +78,7 @@ std::shared_ptr<const KdOrder> KdOrder::of(const PointCloud& cloud, Progress& pr
     const bool asBefore = same(deleted, deletedPoints(cloud));
     const std::lock_guard lock(kept.mutex);
     kept.making = false;
-    if (asBefore) {
+    if (asBefore && order->bytes() <= machineMemory() / kShareKept) {
         kept.order = order;
         kept.without = deleted;
     }
@@ -101,19 +110,35 @@ KdOrder::KdOrder(const PointCloud& cloud, Progress& progress, const PointSet* on
     }
     const std::size_t n = cloud.size(), count = only == nullptr ? n : only->count();
     progress.begin("Sorting points by place", 3 * n);
-    m_leaves = std::bit_ceil(std::clamp<std::size_t>(count / kLeafPoints, 1, kMostSamples / kSamplesPerLeaf));
-    m_splits.resize(m_leaves);
+    m_leaves = std::bit_ceil(std::max<std::size_t>((count + kLeafPoints - 1) / kLeafPoints, 1));
+    m_buckets = std::min(std::bit_ceil(std::clamp<std::size_t>(count / kBucketPoints, 1, kMostBuckets)), m_leaves);
+    m_splits.resize(m_buckets);
 
     std::vector<std::uint32_t> sample = sampled(n, only);
-    chooseSplits(sample, progress);
-    sortIntoLeaves(deleted.get(), only, progress);
-    computeBoxes(progress);
+    split(1, sample.data(), sample.data() + sample.size(), progress);
+    progress.check();
+    std::vector<std::uint32_t>().swap(sample);
+    sortBuckets(sortIntoBuckets(deleted.get(), only, progress), progress);
+    std::vector<Split>().swap(m_splits);
+}
+
+std::uint64_t KdOrder::bytes() const noexcept
+{
+    return m_order.size() * sizeof(m_order[0]) + m_leafStart.size() * sizeof(m_leafStart[0]) +
+           m_boxes.size() * sizeof(Box);
+}
+
+std::array<double, 3> KdOrder::extents(const Box& box) const noexcept
+{
+    std::array<double, 3> lengths{};
+    for (std::size_t a = 0; a < 3; ++a) lengths[a] = (double(box.max[a]) - double(box.min[a])) * m_scale[a];
+    return lengths;
 }
 
 std::vector<std::uint32_t> KdOrder::sampled(std::size_t n, const PointSet* only) const
 {
     const std::size_t count = only == nullptr ? n : only->count();
-    std::vector<std::uint32_t> sample(std::min(count, m_leaves * kSamplesPerLeaf));
+    std::vector<std::uint32_t> sample(std::min(count, m_buckets * kSamplesPerBucket));
     // One of each run of points, not always the same one: scan lines repeat, and must not beat with the sample.
     const auto place = [&](std::size_t k) {
         const std::uint64_t first = std::uint64_t(k) * count / sample.size(),
@@ -132,30 +157,17 @@ std::vector<std::uint32_t> KdOrder::sampled(std::size_t n, const PointSet* only)
     return sample;
 }
 
-void KdOrder::chooseSplits(std::vector<std::uint32_t>& sample, const Progress& progress)
-{
-    split(1, sample.data(), sample.data() + sample.size(), progress);
-    progress.check();
-}
-
 void KdOrder::split(std::size_t node, std::uint32_t* first, std::uint32_t* last, const Progress& progress)
 {
-    if (isLeaf(node) || last - first < 2 || progress.cancelled()) return;
+    if (node >= m_buckets || last - first < 2 || progress.cancelled()) return;
     Box box;
     for (const std::uint32_t* p = first; p != last; ++p) {
         const Raw r = raw(*p);
         box.include({r, r});
     }
-    std::size_t axis = 0;
-    double longest = -1;
-    for (std::size_t a = 0; a < 3; ++a) {
-        const double extent = (double(box.max[a]) - double(box.min[a])) * m_scale[a];
-        if (extent > longest) {
-            longest = extent;
-            axis = a;
-        }
-    }
-    if (!(longest > 0)) return;  // all in one place: everything goes left
+    const std::array<double, 3> extent = extents(box);
+    const std::size_t axis = longestOf(extent);
+    if (!(extent[axis] > 0)) return;  // all in one place: everything goes left
     std::uint32_t* middle = first + (last - first) / 2;
     const std::int32_t* values = m_axes[axis];
     std::nth_element(first, middle, last, [=](std::uint32_t a, std::uint32_t b) { return values[a] < values[b]; });
@@ -174,11 +186,12 @@ void KdOrder::split(std::size_t node, std::uint32_t* first, std::uint32_t* last,
     }
 }
 
-void KdOrder::sortIntoLeaves(const PointSet* leftOut, const PointSet* only, Progress& progress)
+std::vector<std::uint32_t> KdOrder::sortIntoBuckets(const PointSet* leftOut, const PointSet* only,
+                                                    Progress& progress)
 {
-    constexpr std::uint32_t kNoLeaf = UINT32_MAX;
+    constexpr std::uint16_t kNoBucket = UINT16_MAX;
     const std::size_t n = m_columns[0]->size();
-    std::vector<std::uint32_t> leafOf(n);
+    std::vector<std::uint16_t> bucketOf(n);
     const auto firstOf = [n](std::size_t range) { return std::size_t(std::uint64_t(range) * n / kRanges); };
     const auto forRanges = [&](auto&& work) {
         tbb::parallel_for(std::size_t(0), kRanges, [&](std::size_t range) {
@@ -191,53 +204,145 @@ void KdOrder::sortIntoLeaves(const PointSet* leftOut, const PointSet* only, Prog
         });
         progress.check();
     };
-    std::vector<std::vector<std::uint32_t>> counts(kRanges, std::vector<std::uint32_t>(m_leaves));
+    std::vector<std::vector<std::uint32_t>> counts(kRanges, std::vector<std::uint32_t>(m_buckets));
     forRanges([&](std::size_t range, std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             if ((leftOut != nullptr && leftOut->contains(i)) || (only != nullptr && !only->contains(i))) {
-                leafOf[i] = kNoLeaf;
+                bucketOf[i] = kNoBucket;
                 continue;
             }
             std::size_t node = 1;
-            while (node < m_leaves) {
+            while (node < m_buckets) {
                 const Split s = m_splits[node];
                 node = 2 * node + std::size_t(m_axes[s.axis][i] >= s.value);
             }
-            leafOf[i] = std::uint32_t(node - m_leaves);
-            ++counts[range][node - m_leaves];
+            bucketOf[i] = std::uint16_t(node - m_buckets);
+            ++counts[range][node - m_buckets];
         }
     });
-    m_leafStart.resize(m_leaves + 1);
+    std::vector<std::uint32_t> starts(m_buckets + 1);
     std::uint32_t at = 0;
-    for (std::size_t leaf = 0; leaf < m_leaves; ++leaf) {
-        m_leafStart[leaf] = at;
-        for (auto& count : counts) at += std::exchange(count[leaf], at);
+    for (std::size_t bucket = 0; bucket < m_buckets; ++bucket) {
+        starts[bucket] = at;
+        for (auto& count : counts) at += std::exchange(count[bucket], at);
     }
-    m_leafStart[m_leaves] = at;
+    starts[m_buckets] = at;
     m_order.resize(at);
     forRanges([&](std::size_t range, std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
-            if (leafOf[i] != kNoLeaf) m_order[counts[range][leafOf[i]]++] = std::uint32_t(i);
+            if (bucketOf[i] != kNoBucket) m_order[counts[range][bucketOf[i]]++] = std::uint32_t(i);
     });
+    return starts;
 }
 
-void KdOrder::computeBoxes(Progress& progress)
+/// Cuts a bucket's points at their medians until they are leaves.
+class KdOrder::BucketSorter
+{
+public:
+    explicit BucketSorter(KdOrder& order) : m_order(order) {}
+
+    void sort(std::size_t bucket, std::uint32_t begin, std::uint32_t end)
+    {
+        m_begin = begin;
+        const std::size_t node = m_order.m_buckets + bucket;
+        const std::span<std::uint32_t> points(m_order.m_order.data() + begin, end - begin);
+        Box box;
+        if (points.size() > kLargeBucket) {
+            for (const std::uint32_t p : points) box.include({m_order.raw(p), m_order.raw(p)});
+            if (box.min == box.max) return leaveAsItIs(node, box, end);
+        }
+        m_items.resize(points.size());
+        for (std::size_t k = 0; k < points.size(); ++k) m_items[k] = {m_order.raw(points[k]), points[k]};
+        cut(node, 0, points.size());
+    }
+
+private:
+    struct Item {
+        Raw raw;
+        std::uint32_t point;
+    };
+
+    void leaveAsItIs(std::size_t node, const Box& box, std::uint32_t end)
+    {
+        for (; !m_order.isLeaf(node); node *= 2) {
+            m_order.m_boxes[node] = box;
+            emptyBelow(2 * node + 1, end);
+        }
+        m_order.m_boxes[node] = box;
+        m_order.m_leafStart[node - m_order.m_leaves] = m_begin;
+    }
+    void emptyBelow(std::size_t node, std::uint32_t at)
+    {
+        m_order.m_boxes[node] = Box();
+        if (m_order.isLeaf(node)) {
+            m_order.m_leafStart[node - m_order.m_leaves] = at;
+            return;
+        }
+        emptyBelow(2 * node, at);
+        emptyBelow(2 * node + 1, at);
+    }
+    void cut(std::size_t node, std::size_t first, std::size_t last)
+    {
+        Item* const begin = m_items.data() + first;
+        Item* const end = m_items.data() + last;
+        Box box;
+        for (const Item* item = begin; item != end; ++item)
+            for (std::size_t a = 0; a < 3; ++a) {
+                box.min[a] = std::min(box.min[a], item->raw[a]);
+                box.max[a] = std::max(box.max[a], item->raw[a]);
+            }
+        m_order.m_boxes[node] = box;
+        if (m_order.isLeaf(node)) {
+            const auto before = [](const Item& a, const Item& b) { return a.point < b.point; };
+            if (!std::is_sorted(begin, end, before)) std::sort(begin, end, before);
+            m_order.m_leafStart[node - m_order.m_leaves] = m_begin + std::uint32_t(first);
+            for (std::size_t k = first; k < last; ++k) m_order.m_order[m_begin + k] = m_items[k].point;
+            return;
+        }
+        std::size_t middle = last;
+        if (last - first > 1) {
+            const std::array<double, 3> extent = m_order.extents(box);
+            const std::size_t axis = longestOf(extent);
+            if (extent[axis] > 0) {
+                middle = first + std::size_t((axis == 0   ? cutAlong<0>(begin, end, box)
+                                              : axis == 1 ? cutAlong<1>(begin, end, box)
+                                                          : cutAlong<2>(begin, end, box)) -
+                                             begin);
+            }
+        }
+        cut(2 * node, first, middle);
+        cut(2 * node + 1, middle, last);
+    }
+    template <std::size_t axis>
+    static Item* cutAlong(Item* begin, Item* end, const Box& box)
+    {
+        Item* const middle = begin + (end - begin) / 2;
+        std::nth_element(begin, middle, end,
+                         [](const Item& a, const Item& b) { return a.raw[axis] < b.raw[axis]; });
+        std::int32_t value = middle->raw[axis];
+        if (value == box.min[axis]) ++value;  // as in split()
+        return std::partition(begin, end, [=](const Item& item) { return item.raw[axis] < value; });
+    }
+
+    KdOrder& m_order;
+    std::uint32_t m_begin = 0;
+    std::vector<Item> m_items;
+};
+
+void KdOrder::sortBuckets(const std::vector<std::uint32_t>& starts, Progress& progress)
 {
     m_boxes.resize(2 * m_leaves);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, m_leaves, 64), [&](const auto& range) {
-        if (progress.cancelled()) return;
-        for (std::size_t leaf = range.begin(); leaf != range.end(); ++leaf) {
-            Box box;
-            for (std::uint32_t k = m_leafStart[leaf]; k < m_leafStart[leaf + 1]; ++k) {
-                const Raw r = raw(m_order[k]);
-                box.include({r, r});
-            }
-            m_boxes[m_leaves + leaf] = box;
+    m_leafStart.resize(m_leaves + 1);
+    m_leafStart[m_leaves] = starts.back();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, m_buckets, 4), [&](const auto& range) {
+        BucketSorter sorter(*this);
+        for (std::size_t b = range.begin(); b != range.end() && !progress.cancelled(); ++b) {
+            sorter.sort(b, starts[b], starts[b + 1]);
+            progress.add(starts[b + 1] - starts[b]);
         }
-        progress.add(m_leafStart[range.end()] - m_leafStart[range.begin()]);
     });
     progress.check();
-    for (std::size_t node = m_leaves - 1; node > 0; --node) {
+    for (std::size_t node = m_buckets - 1; node > 0; --node) {
         m_boxes[node] = m_boxes[2 * node];
         m_boxes[node].include(m_boxes[2 * node + 1]);
     }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace punctum
@@ -47,8 +48,8 @@ public:
     };
 
     /// That of the cloud's points as they are now, made where the cloud keeps none: once for all who ask, whatever
-    /// files the points are of, and anew only when points were deleted or restored. Some 4 bytes a point are kept
-    /// with the cloud, until drop(). Throws as the constructor does.
+    /// files the points are of, and anew only when points were deleted or restored. It is kept with the cloud until
+    /// drop(), where it takes no more than a small share of the machine's memory. Throws as the constructor does.
     static std::shared_ptr<const KdOrder> of(const PointCloud& cloud, Progress& progress);
     /// The cloud keeps none any longer; who has one goes on.
     static void drop(const PointCloud& cloud) noexcept;
@@ -57,6 +58,8 @@ public:
     /// Throws Cancelled, and Error when there are more than 2^32 points.
     KdOrder(const PointCloud& cloud, Progress& progress, const PointSet* only = nullptr);
 
+    /// What it keeps.
+    std::uint64_t bytes() const noexcept;
     /// Of the points in it.
     std::size_t size() const noexcept { return m_order.size(); }
     /// Nodes of the tree are numbered from 1 (the root); the children of n are 2n and 2n + 1.
@@ -64,6 +67,13 @@ public:
     bool isLeaf(std::size_t node) const noexcept { return node >= m_leaves; }
     /// The points below a node.
     std::span<const std::uint32_t> points(std::size_t node) const noexcept;
+    /// The leaves below a node: from the first to past the last.
+    std::pair<std::size_t, std::size_t> leaves(std::size_t node) const noexcept
+    {
+        std::size_t first = node, end = node + 1;
+        for (; first < m_leaves; end *= 2) first *= 2;
+        return {first, end};
+    }
     /// Nodes of one level that have about `most` points or fewer, and together all points.
     std::vector<std::size_t> tiles(std::size_t most) const;
 
@@ -140,17 +150,19 @@ private:
         return sum;
     }
     std::vector<std::uint32_t> sampled(std::size_t n, const PointSet* only) const;
-    void chooseSplits(std::vector<std::uint32_t>& sample, const Progress& progress);
     void split(std::size_t node, std::uint32_t* first, std::uint32_t* last, const Progress& progress);
-    void sortIntoLeaves(const PointSet* leftOut, const PointSet* only, Progress& progress);
-    void computeBoxes(Progress& progress);
+    std::vector<std::uint32_t> sortIntoBuckets(const PointSet* leftOut, const PointSet* only, Progress& progress);
+    class BucketSorter;
+    void sortBuckets(const std::vector<std::uint32_t>& starts, Progress& progress);
+    std::array<double, 3> extents(const Box& box) const noexcept;
 
     std::array<std::shared_ptr<const Column>, 3> m_columns;
     std::array<const std::int32_t*, 3> m_axes{};
     TrueLengths m_lengths;
     std::array<double, 3> m_scale{};
-    std::size_t m_leaves = 1;  ///< a power of two
-    std::vector<Split> m_splits;
+    std::size_t m_leaves = 1;     ///< a power of two
+    std::size_t m_buckets = 1;    ///< nodes of the level that the sample's medians lead to; a power of two
+    std::vector<Split> m_splits;  ///< above that level; while it is made
     std::vector<Box> m_boxes;
     std::vector<std::uint32_t> m_order;
     std::vector<std::uint32_t> m_leafStart;

@@ -23,18 +23,24 @@ struct Neighborhood {
 /// Called from worker threads, several at once, once for each point.
 using NeighborVisitor = std::function<void(const Neighborhood&)>;
 
-/// The exact k nearest neighbors of every point, itself among them and first, nearest first (fewer when the cloud
-/// has not so many). `stage` names the work to the user. Throws Cancelled.
+/// The exact k nearest neighbors of every point (of `of`, where given), nearest first, those equally near by index;
+/// itself is among them, and first where it is alone in its place. Fewer when the order has not so many. `stage`
+/// names the work to the user. Throws Cancelled.
 ///
-/// The cloud is searched tile by tile, in parallel: each tile's points and a margin around them go into a kd-tree
-/// of PCL (FLANN), in floats from the tile's own middle. A point whose k-th neighbor lies further than the margin
-/// reaches is searched again in the whole order, so that nothing depends on the tiles. Neighbors whose distances
-/// differ by less than floats can tell (a hundred-thousandth, where points lie evenly) may stand for one another.
+/// Points are searched leaf by leaf, in parallel: the leaves near a leaf are found once for all its points.
+/// Candidates are told by floats, eight at once where the processor can, in differences of the raw integers; where
+/// floats cannot tell them apart, distances are computed exactly.
 void forEachNearest(const KdOrder& order, std::size_t k, const std::string& stage, Progress& progress,
-                    const NeighborVisitor& visit);
+                    const NeighborVisitor& visit, const PointSet* of = nullptr);
 
 /// The same with all neighbors not further than `radius`, in no order.
 void forEachWithin(const KdOrder& order, double radius, const std::string& stage, Progress& progress,
-                   const NeighborVisitor& visit);
+                   const NeighborVisitor& visit, const PointSet* of = nullptr);
+
+/// Tells how many points are not further than `radius` from each point, itself counted; as soon as there are
+/// `enough`, the rest need not be counted.
+void forEachCount(const KdOrder& order, double radius, std::size_t enough, const std::string& stage,
+                  Progress& progress, const std::function<void(std::uint32_t point, std::size_t count)>& visit,
+                  const PointSet* of = nullptr);
 
 }  // namespace punctum
