@@ -163,6 +163,7 @@ void addBench(CLI::App& root, Action& action)
     addBenchAttribute(bench, action);
     addBenchEdit(bench, action);
     addBenchSelect(bench, action);
+    addBenchSurface(bench, action);
     addBenchProcess(bench, action);
     bench.require_subcommand(1);
 }

@@ -39,6 +39,7 @@ void addBenchOrder(CLI::App& bench, Action& action);
 void addBenchAttribute(CLI::App& bench, Action& action);
 void addBenchEdit(CLI::App& bench, Action& action);
 void addBenchSelect(CLI::App& bench, Action& action);
+void addBenchSurface(CLI::App& bench, Action& action);
 void addBenchProcess(CLI::App& bench, Action& action);
 
 /// Seconds since it was made or restarted.
