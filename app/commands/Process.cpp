@@ -6,6 +6,7 @@
 #include "app/commands/StepList.h"
 #include "core/Error.h"
 #include "core/Text.h"
+#include "core/expression/Condition.h"
 #include "core/las/Writer.h"
 #include "core/steps/Steps.h"
 #include "core/task/Progress.h"
@@ -23,6 +24,7 @@ struct ProcessOptions {
     std::vector<std::string> in;
     std::string out;
     std::vector<std::string> steps;
+    std::string within;
     bool upgrade = false;
     bool noVerify = false;
     bool replaceProtected = false;
@@ -72,10 +74,17 @@ void runProcess(const ProcessOptions& options, Progress& progress)
     // all that can be wrong is found before the first point is read
     const std::vector<std::string> words = joinedSteps(options.steps);
     std::vector<ParsedStep> steps;
+    const bool narrowed = !options.within.empty();
+    if (narrowed) {
+        try {
+            expression::Condition::check(options.within);
+        } catch (const Error& error) {
+            throw UsageError(std::string("--within: ") + error.what());
+        }
+    }
     for (const std::string& text : words) {
         try {
-            steps.push_back(parseStep(text));
-            completeValues(*steps.back().step, steps.back().values);
+            steps.push_back(parseStep(text, narrowed));
         } catch (const Error& error) {
             throw UsageError(error.what());
         }
@@ -87,9 +96,14 @@ void runProcess(const ProcessOptions& options, Progress& progress)
     Json report = Json::array();
     for (std::size_t k = 0; k < steps.size(); ++k) {
         const auto start = std::chrono::steady_clock::now();
-        const EditOutcome outcome = session->edit({steps[k].step->name(), steps[k].values, nullptr}, progress);
+        std::shared_ptr<const PointSet> within;
+        if (narrowed)  // anew: the step before may have changed what it reads
+            within = expression::select(*session->cloud(), expression::Condition(options.within, *session->cloud()),
+                                        progress);
+        const EditOutcome outcome = session->edit({steps[k].step->name(), steps[k].values, within}, progress);
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         Json line = {{"step", words[k]}, {"points_changed", outcome.changed}, {"seconds", seconds.count()}};
+        if (within) line["points_within"] = within->count();
         if (!outcome.finding.empty()) line["finding"] = outcome.finding;
         std::string lengths;
         if (hasLength(steps[k])) {
@@ -130,6 +144,11 @@ void addProcess(CLI::App& root, Action& action)
                                          "A step: its name, then key=value for each parameter, such as "
                                          "--step \"normals k=16\"; may be given again for further steps")
                              ->type_name("STEP");
+    command
+        .add_option("--within", options->within,
+                    "The steps change only points for which this condition holds, such as \"Classification == 2\"; "
+                    "it is looked at anew before each step")
+        ->type_name("CONDITION");
     addUpgrade(command, options->upgrade);
     addNoVerify(command, options->noVerify);
     addReplaceProtected(command, options->replaceProtected);

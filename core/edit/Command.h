@@ -74,6 +74,9 @@ public:
     /// `values`: the column's elements as they are on this side of the command; they become those of the other
     /// side. Nothing for columns that it does not swap. Throws Error when it cannot be read back.
     virtual void cross(const Column& column, std::span<std::byte> values) const = 0;
+    /// Before it is done for the first time: attributes that it puts in, filled, under the names that they get.
+    /// They share its columns.
+    virtual std::vector<Attribute> brings() const { return {}; }
 
 private:
     std::string m_name;
@@ -139,6 +142,7 @@ public:
     std::size_t spilled() const noexcept override { return m_detached.spilled(); }
     Effect effect() const override;
     void cross(const Column& column, std::span<std::byte> values) const override;
+    std::vector<Attribute> brings() const override { return m_attributes; }
 
 private:
     /// Two columns of one shape that swap contents.

@@ -62,6 +62,14 @@ Command::Effect CommandGroup::effect() const
     return all;
 }
 
+std::vector<Attribute> CommandGroup::brings() const
+{
+    std::vector<Attribute> all;
+    for (const auto& part : m_parts)
+        for (Attribute& attribute : part->brings()) all.push_back(std::move(attribute));
+    return all;
+}
+
 void CommandGroup::cross(const Column& column, std::span<std::byte> values) const
 {
     for (const auto& part : m_parts) part->cross(column, values);

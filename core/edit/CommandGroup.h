@@ -30,6 +30,7 @@ public:
     std::size_t spilled() const noexcept override;
     Effect effect() const override;
     void cross(const Column& column, std::span<std::byte> values) const override;
+    std::vector<Attribute> brings() const override;
 
 private:
     std::vector<std::unique_ptr<Command>> m_parts;

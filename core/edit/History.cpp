@@ -294,6 +294,17 @@ std::optional<std::vector<bool>> History::changedIn(std::span<const PointRange> 
     return changed;
 }
 
+CommandPreview History::beforeLast(Progress& progress) const
+{
+    const std::lock_guard changing(m_changing);  // nobody else writes to the cloud's columns meanwhile
+    const Command* last = nullptr;
+    {
+        const std::lock_guard lock(m_mutex);
+        if (m_done > 0) last = m_commands[m_done - 1].get();
+    }
+    return last != nullptr ? previewOf(*last, *m_cloud, progress) : CommandPreview();
+}
+
 std::optional<std::vector<AttributeChange>> History::changes(Progress& progress) const
 {
     const std::lock_guard changing(m_changing);  // nobody else writes to the cloud's columns meanwhile

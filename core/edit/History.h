@@ -3,6 +3,7 @@
 
 #include "core/cloud/AttributeChange.h"
 #include "core/edit/Command.h"
+#include "core/edit/CommandPreview.h"
 #include "core/edit/HistoryRoom.h"
 
 #include <cstddef>
@@ -62,6 +63,9 @@ public:
     /// point that was deleted or restored, an attribute that came, went or got another name (then everywhere).
     /// Nothing when that state can no longer be reached. Waits and throws as changes().
     std::optional<std::vector<bool>> changedIn(std::span<const PointRange> ranges, Progress& progress) const;
+    /// How the cloud looked before the command that undo() would take back; nothing where there is none. Waits for
+    /// a change that goes on, and keeps others waiting. Memory and errors as previewOf().
+    CommandPreview beforeLast(Progress& progress) const;
     std::vector<std::string> names() const;         ///< oldest first
     std::vector<PointIndex> changedPoints() const;  ///< by each of them
     std::size_t position() const;                   ///< how many of names() are in force

@@ -117,8 +117,7 @@ std::string_view nameOf(StepGroup group) noexcept
 std::unique_ptr<Command> Step::run(const PointCloud& cloud, const StepValues& values, Progress& progress,
                                    const PointSet* within) const
 {
-    if (within != nullptr && !description().narrows)
-        throw Error("The step " + name() + " changes all points, not some of them.");
+    if (within != nullptr) checkNarrows(*this);
     StepValues complete = completeValues(*this, values, within != nullptr);
     std::optional<DataScale> scale;
     for (const StepParameter& p : parameters()) {
@@ -127,6 +126,12 @@ std::unique_ptr<Command> Step::run(const PointCloud& cloud, const StepValues& va
         complete.emplace(p.key, presetOf(p, *scale));
     }
     return make(cloud, complete, within, progress);
+}
+
+void checkNarrows(const Step& step)
+{
+    if (!step.description().narrows)
+        throw Error("The step " + step.name() + " changes all points, not some of them.");
 }
 
 DataScale dataScale(const PointCloud& cloud, Progress& progress)

@@ -75,6 +75,8 @@ private:
 /// Presets filled in, but for those that fit the data, and every value checked; throws Error. `narrowed`: the step
 /// is told which points, so that it needs no condition.
 StepValues completeValues(const Step& step, const StepValues& values, bool narrowed = false);
+/// Throws Error where the step cannot be told to change some points alone.
+void checkNarrows(const Step& step);
 /// What presets that fit the data are made of.
 struct DataScale {
     double spacing = 0;  ///< pointSpacing(), in units of length; 0 when unknown

@@ -7,9 +7,9 @@
 #include "core/edit/Extract.h"
 #include "core/edit/Journal.h"
 #include "core/las/SourceFile.h"
-#include "core/steps/MakeCommand.h"
 #include "core/session/KeptJournals.h"
 #include "core/session/SurveyFiles.h"
+#include "core/steps/MakeCommand.h"
 #include "core/task/Progress.h"
 
 #include <algorithm>
@@ -126,16 +126,36 @@ fs::path Session::path() const
 
 EditOutcome Session::edit(const Recipe& recipe, Progress& progress)
 {
-    const auto before = attributeNames(*m_cloud);
-    auto command = makeCommand(recipe, *m_cloud, progress);
+    return *doIt(makeCommand(recipe, *m_cloud, progress), std::nullopt, progress);
+}
+
+MadeEdit Session::make(const Recipe& recipe, Progress& progress) const
+{
+    MadeEdit made;
+    made.edits = edits();
+    made.command = makeCommand(recipe, *m_cloud, progress);
+    return made;
+}
+
+std::optional<EditOutcome> Session::apply(MadeEdit made, Progress& progress)
+{
+    return doIt(std::move(made.command), made.edits, progress);
+}
+
+/// `edits`: how many there may have been; nothing: any number.
+std::optional<EditOutcome> Session::doIt(std::unique_ptr<Command> command, std::optional<std::uint64_t> edits,
+                                         Progress& progress)
+{
     EditOutcome outcome;
     if (!command) return outcome;
+    const auto before = attributeNames(*m_cloud);
     progress.check();
     outcome.changed = command->changedPoints();
     outcome.finding = command->finding();
     progress.begin("Changing points", 1);
     {
         const std::lock_guard gate(m_gate);
+        if (edits && *edits != m_edits) return std::nullopt;
         noteDown(progress);
         progress.check();
         ++m_edits;

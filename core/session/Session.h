@@ -67,6 +67,12 @@ struct EditOutcome {
     std::string finding;                     ///< Command::finding()
 };
 
+/// A command that was made and is not done yet, and after how many edits of the session.
+struct MadeEdit {
+    std::unique_ptr<Command> command;  ///< null: nothing would change
+    std::uint64_t edits = 0;
+};
+
 /// A journal that is about the points of a session.
 struct FoundJournal {
     std::filesystem::path path;
@@ -126,6 +132,10 @@ public:
 
     /// Makes the recipe's command and does it, as one step of the history.
     EditOutcome edit(const Recipe& recipe, Progress& progress);
+    /// The recipe's command alone, which changes nothing: to be looked at (previewOf()), then given to apply().
+    MadeEdit make(const Recipe& recipe, Progress& progress) const;
+    /// Does it as edit() does. Nothing where points were edited since it was made: it is no longer true then.
+    std::optional<EditOutcome> apply(MadeEdit made, Progress& progress);
     /// Undoes or redoes until so many of the history's commands are in force, or there are no more.
     void walk(std::size_t position, Progress& progress);
     void undo(Progress& progress);  ///< nothing when there is nothing to undo
@@ -175,6 +185,8 @@ public:
 
 private:
     Session(std::unique_ptr<Survey> survey, HistoryRoom room);
+    std::optional<EditOutcome> doIt(std::unique_ptr<Command> command, std::optional<std::uint64_t> edits,
+                                    Progress& progress);
     std::vector<std::filesystem::path> targetsOf(const SaveRequest& request) const;
     SaveOutcome saveParts(SaveRequest request, Progress& progress);
     Forecast foreseeParts(std::span<const std::size_t> parts, std::span<const std::filesystem::path> targets,

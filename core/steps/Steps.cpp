@@ -88,7 +88,7 @@ const Step* findStep(std::string_view name)
     return nullptr;
 }
 
-ParsedStep parseStep(std::string_view text)
+ParsedStep parseStep(std::string_view text, bool narrowed)
 {
     skipSpace(text);
     const std::string name = takeWord(text);
@@ -111,7 +111,8 @@ ParsedStep parseStep(std::string_view text)
         if (!parsed.values.emplace(key, word.substr(equals + 1)).second)
             throw Error(name + ": " + key + " is given twice.");
     }
-    parsed.values = completeValues(*parsed.step, parsed.values);
+    if (narrowed) checkNarrows(*parsed.step);
+    parsed.values = completeValues(*parsed.step, parsed.values, narrowed);
     return parsed;
 }
 

@@ -129,7 +129,11 @@ void PointStore::setEncoder(std::shared_ptr<const AttributeEncoder> encoder)
         const auto& changed = m_preview->attributes;
         auto after = std::find_if(changed.begin(), changed.end(),
                                   [&](const Attribute& a) { return a.name == encoder->attribute().name; });
-        if (after == changed.end() && changed.front().kind == AttributeKind::Class) after = changed.begin();
+        if (after == changed.end() && !m_preview->shows.empty())
+            after = std::find_if(changed.begin(), changed.end(),
+                                 [&](const Attribute& a) { return a.name == m_preview->shows; });
+        if (after == changed.end() && !changed.empty() && changed.front().kind == AttributeKind::Class)
+            after = changed.begin();
         if (after != changed.end()) {
             instead = makeEncoder(*after, {});  // no marks: they would cover the colors that are to be seen
         } else {

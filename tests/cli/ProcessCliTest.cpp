@@ -146,6 +146,48 @@ private slots:
         PUNCTUM_EXIT(runPunctum({"process", real, "-o", path("no.laz"), "--step", "delete"}), 2);
     }
 
+    // What the first step changes no longer belongs to those that the second one may change.
+    void changesOnlyWithin()
+    {
+        const Outcome run =
+            runPunctum({"process", path("in.las"), "-o", path("within.las"), "--json", "--within",
+                        "Classification == 2", "--step", "reclassify attribute=Intensity min=0 max=20000 class=12",
+                        "--step", "set rule='UserData = 9'", "--step", "delete"});
+        PUNCTUM_EXIT(run, 0);
+        struct Seen {
+            int code, intensity, user;
+            bool operator==(const Seen&) const = default;
+        };
+        const auto all = [](const QString& file) {
+            std::vector<Seen> seen;
+            LaszipFile(file).forEach([&](const laszip_point_struct& p) {
+                seen.push_back({p.extended_classification, p.intensity, p.user_data});
+            });
+            return seen;
+        };
+        std::vector<Seen> expected;
+        int changed = 0, ground = 0;
+        for (Seen point : all(path("in.las"))) {
+            ground += point.code == 2;
+            if (point.code == 2 && point.intensity <= 20000) point.code = 12, ++changed;
+            if (point.code != 2) expected.push_back(point);
+        }
+        QVERIFY(changed > 0 && changed < ground);
+        QVERIFY(all(path("within.las")) == expected);
+        const QJsonDocument report = run.json();
+        QCOMPARE(report["steps"][0]["points_within"].toInt(), ground);
+        QCOMPARE(report["steps"][0]["points_changed"].toInt(), changed);
+        QCOMPARE(report["steps"][1]["points_within"].toInt(), ground - changed);
+        // before any file is read: there is none
+        for (const QStringList& wrong : {QStringList{"--step", "remove attribute=Extra", "--within", "Z > 3"},
+                                         QStringList{"--step", "outliers", "--within", "Z >"}}) {
+            const Outcome refused =
+                runPunctum(QStringList{"process", path("none.las"), "-o", path("x.las")} + wrong);
+            PUNCTUM_EXIT(refused, 2);
+            QVERIFY2(refused.oneSentence() && !refused.err.contains("none.las"), refused.said());
+        }
+    }
+
     void upgradesOnlyWhenTold()
     {
         const QString three = realFile("autzen_trim.las");
