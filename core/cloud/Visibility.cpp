@@ -137,7 +137,7 @@ std::shared_ptr<PointSet> hiddenPoints(const PointCloud& cloud, const Visibility
                 if (place == LinearSide::Box::Across)
                     for (PointIndex i = range.first; i < range.last; ++i)
                         hidden |= std::uint64_t(clip.cuts(i)) << (i - range.first);
-                words[w] |= hidden;
+                if (hidden != 0) words[w] |= hidden;
             }
         });
     });

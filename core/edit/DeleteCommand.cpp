@@ -32,8 +32,10 @@ void DeleteCommand::apply(PointCloud& cloud) noexcept
         const std::span<const std::uint64_t> ours = m_points->words();
         bool any = false;
         for (std::size_t w = 0; w < next.size(); ++w) {
-            next[w] = (before ? before->words()[w] : 0) ^ ours[w];
-            any = any || next[w] != 0;
+            const std::uint64_t bits = (before ? std::as_const(*before).words()[w] : 0) ^ ours[w];
+            if (bits == 0) continue;  // next is empty: what it need not have takes no memory
+            next[w] = bits;
+            any = true;
         }
         cloud.setDeleted(any ? std::move(m_next) : nullptr);
         m_next.reset();

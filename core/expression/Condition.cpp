@@ -48,7 +48,9 @@ void Condition::evaluate(std::size_t firstWord, std::size_t lastWord, std::uint6
         const PointRange points{PointIndex(w) * 64, std::min(m_size, PointIndex(end) * 64)};
         evaluator.condition(*m_root, points, flags.data());
         if (points.size() < kBlockPoints) std::fill(flags.begin() + std::ptrdiff_t(points.size()), flags.end(), 0);
-        for (std::size_t k = w; k < end; ++k) *words++ = packFlags(flags.data() + (k - w) * 64);
+        // Words that are right stay untouched: a set takes memory where it is written to.
+        for (std::size_t k = w; k < end; ++k, ++words)
+            if (const std::uint64_t bits = packFlags(flags.data() + (k - w) * 64); *words != bits) *words = bits;
     }
 }
 

@@ -39,8 +39,10 @@ std::size_t take(PointRange block, const std::uint8_t* chosen, PointSet& points)
     const auto first = std::size_t(block.first / 64), last = std::size_t((block.last + 63) / 64);
     std::size_t count = 0;
     for (std::size_t w = first; w < last; ++w) {
-        points.words()[w] = packFlags(chosen + (w - first) * 64);
-        count += std::size_t(std::popcount(points.words()[w]));
+        const std::uint64_t bits = packFlags(chosen + (w - first) * 64);
+        if (bits == 0) continue;  // nor had it any
+        points.words()[w] = bits;
+        count += std::size_t(std::popcount(bits));
     }
     return count;
 }

@@ -17,6 +17,9 @@
 #include <cmath>
 #include <functional>
 #include <mutex>
+#include <numeric>
+#include <span>
+#include <utility>
 
 namespace punctum
 {
@@ -221,31 +224,50 @@ PointSet pointsIn(const Region& region, const PointCloud& cloud, const Touchable
 void keepTouchable(PointSet& points, const PointCloud& cloud, const Touchable& touchable, Progress& progress)
 {
     progress.begin("Selecting", cloud.size());
+    const std::span<const std::uint64_t> words = std::as_const(points).words();
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
         const TouchTest touch(cloud, touchable);
         for (std::size_t w = firstWord; w < lastWord; ++w)
-            if (points.words()[w] != 0) points.words()[w] = touch(w, points.words()[w]);
+            if (const std::uint64_t bits = words[w]; bits != 0)
+                if (const std::uint64_t kept = touch(w, bits); kept != bits) points.words()[w] = kept;
     });
 }
 
 void combine(PointSet& selection, const PointSet& found, SelectMode mode)
 {
+    const auto sure = [](const PointSet& set) { return set.surelyNone() || set.surelyAll(); };
+    switch (mode) {
+        case SelectMode::Replace:
+            selection = found;
+            return;
+        case SelectMode::Add:
+            if (sure(selection) || sure(found)) return selection.insert(found);
+            break;
+        case SelectMode::Subtract:
+            if (sure(selection) || sure(found)) return selection.remove(found);
+            break;
+        case SelectMode::Intersect:
+            if (sure(selection) || sure(found)) return selection.intersect(found);
+    }
     const auto ours = selection.words();
     const auto theirs = found.words();
-    forPieces(ours.size(), [&](std::size_t first, std::size_t last) {
-        switch (mode) {
-            case SelectMode::Replace:
-                std::copy(theirs.begin() + std::ptrdiff_t(first), theirs.begin() + std::ptrdiff_t(last),
-                          ours.begin() + std::ptrdiff_t(first));
-                break;
-            case SelectMode::Add:
-                for (std::size_t w = first; w < last; ++w) ours[w] |= theirs[w];
-                break;
-            case SelectMode::Subtract:
-                for (std::size_t w = first; w < last; ++w) ours[w] &= ~theirs[w];
-                break;
-            case SelectMode::Intersect:
+    constexpr std::size_t kBlock = 512;  // of words: those that stay as they are are not written to
+    const auto none = [](std::span<const std::uint64_t> words) {
+        return std::accumulate(words.begin(), words.end(), std::uint64_t(0), std::bit_or<>()) == 0;
+    };
+    forPieces(ours.size(), [&](std::size_t pieceFirst, std::size_t pieceLast) {
+        for (std::size_t first = pieceFirst; first < pieceLast; first += kBlock) {
+            const std::size_t last = std::min(pieceLast, first + kBlock);
+            if (mode == SelectMode::Intersect) {
+                if (none(ours.subspan(first, last - first))) continue;
                 for (std::size_t w = first; w < last; ++w) ours[w] &= theirs[w];
+                continue;
+            }
+            if (none(theirs.subspan(first, last - first))) continue;
+            if (mode == SelectMode::Add)
+                for (std::size_t w = first; w < last; ++w) ours[w] |= theirs[w];
+            else
+                for (std::size_t w = first; w < last; ++w) ours[w] &= ~theirs[w];
         }
     });
 }

@@ -7,11 +7,13 @@
 #include "core/las/SourceFile.h"
 #include "core/session/Session.h"
 #include "core/session/SurveyFiles.h"
+#include "core/task/FewAtOnce.h"
 #include "core/task/LockedLoop.h"
 #include "core/task/Progress.h"
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <shared_mutex>
 #include <utility>
 
@@ -19,6 +21,15 @@ namespace punctum
 {
 
 namespace fs = std::filesystem;
+
+namespace
+{
+
+/// Files that are written at the same time: each waits for the disk when it is whole, which small files do most of
+/// the time. Few, as each takes memory and room on the disk while it is written.
+constexpr std::size_t kStagedAtOnce = 4;
+
+}  // namespace
 
 // What a session does otherwise where it has several files (Session.h).
 
@@ -127,17 +138,22 @@ SaveOutcome Session::saveParts(SaveRequest request, Progress& progress)
         const Progress::Whole whole(progress, "Writing files", 2 * points);
         const std::shared_lock lock(m_cloud->mutex());
         runLocked(lock, [&] {
-            for (const std::size_t k : which) {
+            std::vector<std::optional<las::StagedWrite>> made(which.size());
+            fewAtOnce(which.size(), kStagedAtOnce, [&](std::size_t n) {
                 progress.check();
+                const std::size_t k = which[n];
                 las::WriteOptions options = request.options;
                 options.compressed = las::isCompressedName(targets[k]);
                 const auto& forecast = request.forecast;
                 const las::KnownPlan plan = forecast && k < forecast->plans.size()
                                                 ? known(forecast->plans[k], forecast->edits)
                                                 : las::KnownPlan();
-                staged.push_back(
-                    las::stage(*m_survey->partCloud(k, progress), targets[k], options, progress, plan));
-            }
+                runLocked(lock, [&] {
+                    const auto part = m_survey->partCloud(k, progress);
+                    made[n].emplace(las::stage(*part, targets[k], options, progress, plan));
+                });
+            });
+            for (auto& one : made) staged.push_back(std::move(*one));
         });
     }
     const std::vector<las::WriteReport> reports = las::commitTogether(std::move(staged));

@@ -53,7 +53,7 @@ std::shared_ptr<const PointSet> membersIn(const std::shared_ptr<const PointSet>&
         std::uint64_t bits = from[first + w] >> shift;
         if (shift != 0 && first + w + 1 < from.size()) bits |= from[first + w + 1] << (64 - shift);
         if (w + 1 == to.size() && range.size() % 64 != 0) bits &= (std::uint64_t(1) << (range.size() % 64)) - 1;
-        to[w] = bits;
+        if (bits != 0) to[w] = bits;
         any |= bits;
     }
     return any == 0 ? nullptr : part;

@@ -10,8 +10,11 @@
 #include <QTest>
 
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <limits>
+#include <utility>
+#include <vector>
 
 using namespace punctum;
 
@@ -68,6 +71,8 @@ private slots:
     void distinctValuesAreListed();
     void textTellsNumbersApart();
     void pointSets();
+    void setsOfNoneAndAll();
+    void setsTakeMemoryWhereTheyDiffer();
     void boundsComeFromThePoints();
     void boundsJoin();
     void worldAndBack();
@@ -391,6 +396,102 @@ void CloudTest::pointSets()
     set.clear();
     QVERIFY(set.count() == 0 && !(set == same));
     QVERIFY(PointSet(0).extent().empty());
+}
+
+/// Of this program, in memory at present, bytes; 0 where the system does not say.
+static std::size_t residentBytes()
+{
+    std::ifstream in("/proc/self/statm");
+    std::size_t all = 0, resident = 0;
+    in >> all >> resident;
+    return resident * 4096;
+}
+
+// Sets of none and of all, by every operation on both, equal those made point by point.
+void CloudTest::setsOfNoneAndAll()
+{
+    for (const PointIndex size : {0, 1, 63, 64, 65, 1000, 600'000, 20'000'003}) {
+        const auto few = [size] {
+            PointSet set(size);
+            for (PointIndex i = 0; i < size; i += 1 + size / 7) set.insert(i);
+            return set;
+        };
+        PointSet everyone(size);
+        everyone.insert(PointRange{0, size});
+        const PointSet none(size), all = PointSet::all(size), some = few();
+        PointSet others = some;
+        others.invert();
+        QVERIFY(none.surelyNone() && (size == 0 || all.surelyAll()) && (size == 0 || !some.surelyNone()));
+        QVERIFY(all == everyone && everyone == all && none == PointSet(size) && (size == 0 || !(all == none)));
+        QVERIFY(none.count() == 0 && all.count() == size && everyone.count() == size);
+        QCOMPARE(some.count() + others.count(), size);
+        QVERIFY(none.extent().empty() && all.extent() == everyone.extent());
+        QVERIFY(none.ranks(100).back() == 0 && all.ranks(100) == everyone.ranks(100));
+        PointIndex seen = 0;
+        none.forEach([&](PointIndex) { ++seen; });
+        QCOMPARE(seen, PointIndex(0));
+        all.forEach([&](PointIndex) { ++seen; });
+        QCOMPARE(seen, size);
+        const auto both = [](PointSet a, const PointSet& b, auto what) {
+            what(a, b);
+            return a;
+        };
+        const auto add = [](PointSet& a, const PointSet& b) { a.insert(b); };
+        const auto take = [](PointSet& a, const PointSet& b) { a.remove(b); };
+        const auto cut = [](PointSet& a, const PointSet& b) { a.intersect(b); };
+        for (const PointSet* const full : std::initializer_list<const PointSet*>{&all, &everyone}) {
+            QVERIFY(both(*full, some, add) == all && both(some, *full, add) == all);
+            QVERIFY(both(*full, some, take) == others && both(some, *full, take) == none);
+            QVERIFY(both(*full, some, cut) == some && both(some, *full, cut) == some);
+            QVERIFY(both(*full, none, add) == all && both(none, *full, add) == all);
+            QVERIFY(both(*full, none, take) == all && both(none, *full, take) == none);
+            QVERIFY(both(*full, none, cut) == none && both(none, *full, cut) == none);
+            PointSet turned = *full;
+            turned.invert();
+            QVERIFY(turned == none);
+            turned.invert();
+            QVERIFY(turned == all);
+        }
+        QVERIFY(both(none, some, add) == some && both(some, none, take) == some && both(some, none, cut) == none);
+        // What was full or empty is so no longer once somebody writes, by whatever way; others stay as they are.
+        if (size == 0) continue;
+        PointSet one = all;
+        one.remove(size - 1);
+        QVERIFY(one.count() == size - 1 && all.count() == size && !one.contains(size - 1));
+        PointSet last(size);
+        last.words().back() |= std::uint64_t(1) << ((size - 1) % 64);
+        QVERIFY(last.count() == 1 && last.contains(size - 1) && (last.extent() == PointRange{size - 1, size}));
+        PointSet moved = std::move(last);
+        QVERIFY(moved.count() == 1);
+        last = PointSet::all(size);
+        QVERIFY(last == all);
+        moved.clear();
+        QVERIFY(moved == none && moved.surelyNone());
+    }
+}
+
+// 64 sets over a billion points, none of them and all of them, would take 8 GB as words; so would copies of a set
+// with a point here and there.
+void CloudTest::setsTakeMemoryWhereTheyDiffer()
+{
+    const std::size_t before = residentBytes();
+    if (before == 0) QSKIP("The system does not tell the memory of a program.");
+    constexpr PointIndex kSize = 1'000'000'007;
+    std::vector<PointSet> sets;
+    for (int k = 0; k < 32; ++k) {
+        sets.push_back(PointSet(kSize));
+        sets.push_back(PointSet::all(kSize));
+    }
+    PointSet sparse(kSize);
+    for (PointIndex i = 0; i < 100; ++i) sparse.insert(i * 10'000'000 + 5);
+    for (int k = 0; k < 3; ++k) sets.push_back(sparse);
+    std::size_t grown = residentBytes() - std::min(before, residentBytes());
+    QVERIFY2(grown < std::size_t(24) << 20, qPrintable(QString::number(grown)));
+    QCOMPARE(sets.back().count(), PointIndex(100));
+    QVERIFY(sets[1].count() == kSize && sets[0].count() == 0 && sets[1].contains(kSize - 1));
+    sets[1].remove(777'777'777);
+    QCOMPARE(sets[1].count(), kSize - 1);
+    QVERIFY(sets[3].contains(777'777'777) && sets[3].count() == kSize);
 }
 
 void CloudTest::boundsComeFromThePoints()

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Progress and Jobs: jobs finish, fail, are cancelled, and outlive nobody.
 #include "core/Error.h"
+#include "core/task/FewAtOnce.h"
 #include "core/task/Jobs.h"
 #include "core/task/Progress.h"
 
@@ -11,7 +12,9 @@
 #include <future>
 #include <new>
 #include <set>
+#include <string>
 #include <thread>
+#include <vector>
 
 using namespace punctum;
 using namespace std::chrono_literals;
@@ -62,6 +65,8 @@ private slots:
     void whatBeganIsNotLost();
     void waitingJobsEndWhenCancelled();
     void idleJobsComeLast();
+    void fewAreDoneAtOnce();
+    void theFirstThatFailsIsTold();
 };
 
 void TaskTest::progressCounts()
@@ -368,6 +373,48 @@ void TaskTest::idleJobsComeLast()
     std::thread([&] { jobs.start("at once", [&](Progress&) { go.set_value(); }); }).join();
     jobs.waitForAll();
     QCOMPARE(QString::fromStdString(order), QString("qi"));
+}
+
+void TaskTest::fewAreDoneAtOnce()
+{
+    std::atomic<int> running{0}, most{0};
+    std::vector<int> done(100, 0);
+    fewAtOnce(done.size(), 4, [&](std::size_t k) {
+        const int now = ++running;
+        for (int seen = most; seen < now && !most.compare_exchange_weak(seen, now);) {
+        }
+        std::this_thread::sleep_for(2ms);
+        ++done[k];
+        --running;
+    });
+    QVERIFY(done == std::vector<int>(100, 1));
+    QVERIFY2(most > 1 && most <= 4, qPrintable(QString::number(most)));
+    fewAtOnce(0, 4, [](std::size_t) { QFAIL("there is none"); });
+    std::size_t one = 7;
+    fewAtOnce(1, 0, [&](std::size_t k) { one = k; });
+    QCOMPARE(one, std::size_t(0));
+}
+
+// The fifth fails late and the sixth at once: the fifth is told, as if they came one after the other, and few
+// others begin.
+void TaskTest::theFirstThatFailsIsTold()
+{
+    for (int round = 0; round < 20; ++round) {
+        std::atomic<int> begun{0};
+        std::string told;
+        try {
+            fewAtOnce(1000, 4, [&](std::size_t k) {
+                ++begun;
+                if (k == 4) std::this_thread::sleep_for(5ms);
+                if (k == 4 || k == 5) throw Error(std::to_string(k));
+                if (k > 5) std::this_thread::sleep_for(1ms);
+            });
+        } catch (const Error& e) {
+            told = e.what();
+        }
+        QCOMPARE(QString::fromStdString(told), QStringLiteral("4"));
+        QVERIFY(begun < 100);
+    }
 }
 
 QTEST_APPLESS_MAIN(TaskTest)
