@@ -42,7 +42,7 @@ public:
         : m_store(store), m_backend(render::makeBackend(render::BackendKind::Cpu))
     {
         m_backend->setTarget(size);
-        m_scene.layers.push_back({&store, 0, render::makeProjection(camera, store, size)});
+        m_scene.add({&store, 0, render::makeProjection(camera, store, size)});
         m_scene.classVisible.fill(true);
         m_scene.allClassesVisible = true;
         const auto encoder = store.encoder();

@@ -6,6 +6,7 @@
 #include "core/task/Progress.h"
 #include "render/store/Arrangement.h"
 
+#include <ctime>
 #include <memory>
 #include <optional>
 
@@ -33,6 +34,12 @@ Section stripOf(const WorldBounds& box, double share, const glm::dvec3& stretch)
     strip.to = east ? glm::dvec2(box.max.x, middle.y) : glm::dvec2(middle.x, box.max.y);
     strip.width = share * (east ? extent.x * stretch.x : extent.y * stretch.y);
     return strip;
+}
+
+/// Of all threads of the program: what other programs take beside it does not count.
+double processorMilliseconds()
+{
+    return double(std::clock()) * 1e3 / double(CLOCKS_PER_SEC);
 }
 
 void runBenchView(const BenchViewOptions& options, Progress& progress)
@@ -66,12 +73,29 @@ void runBenchView(const BenchViewOptions& options, Progress& progress)
     figures.fact("device", renderer.backend().description());
     for (int round = 0; round < options.rounds; ++round) {
         Clock clock;
+        const double before = processorMilliseconds();
         renderer.renderBruteForce();
         figures.add("brute_force_ms", clock.milliseconds());
+        figures.add("brute_force_processor_ms", processorMilliseconds() - before);
         beginEmpty(renderer, kBenchWidth, kBenchHeight);
         clock.restart();
-        while (!renderer.renderFrame(render::kFrameSeconds).converged) progress.check();
+        const double processor = processorMilliseconds();
+        int frames = 0;
+        render::FrameReport::Passes passes;
+        for (bool full = false; !full; ++frames) {
+            const render::FrameReport report = renderer.renderFrame(render::kFrameSeconds);
+            full = report.converged;
+            passes.reproject += report.passes.reproject;
+            passes.fill += report.passes.fill;
+            passes.resolve += report.passes.resolve;
+            progress.check();
+        }
         figures.add("full_picture_ms", clock.milliseconds());
+        figures.add("full_picture_processor_ms", processorMilliseconds() - processor);
+        figures.add("frames", frames);
+        figures.add("passes.begin_ms", passes.reproject * 1e3);
+        figures.add("passes.fill_ms", passes.fill * 1e3);
+        figures.add("passes.resolve_ms", passes.resolve * 1e3);
         figures.add("points_read", double(renderer.pointsInSight()));
     }
     figures.report(options);

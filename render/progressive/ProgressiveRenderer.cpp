@@ -2,7 +2,6 @@
 #include "render/progressive/ProgressiveRenderer.h"
 
 #include "render/progressive/Clock.h"
-#include "render/scene/LayerLookup.h"
 #include "render/scene/PointIds.h"
 
 #include <tbb/blocked_range.h>
@@ -26,6 +25,9 @@ namespace
 constexpr double kStreamSeconds = 0.003;
 /// Of a frame in which nothing but streaming happens, as all that is visible is up to date.
 constexpr double kStreamAlone = 0.020;
+/// Of a frame of a still view that is not full yet, as a multiple: making the picture costs as much as drawing
+/// millions of points, and nobody waits for the next one as in motion.
+constexpr double kStillFrame = 2.0;
 
 }  // namespace
 
@@ -55,6 +57,7 @@ void ProgressiveRenderer::addCloud(std::shared_ptr<PointStore> store)
     ids.take(store->slotCount());
     auto entry = std::make_unique<ViewCloud>();
     entry->store = std::move(store);
+    entry->arranged = entry->store->arranged();
     applyDisplay(*entry);
     m_clouds.push_back(std::move(entry));
     m_layersChanged = true;
@@ -149,11 +152,30 @@ void ProgressiveRenderer::arrange(const PointCloud& cloud, Arrangement&& arrange
     storesChanged(StoreChange::Slots);
 }
 
+void ProgressiveRenderer::keepThroughArranging()
+{
+    const bool shows = !m_targetChanged && !m_layersChanged;
+    if (shows && !std::exchange(m_slotsChanged, true)) m_backend->visibleIds(m_kept);
+    for (std::size_t layer = 0; layer < m_clouds.size(); ++layer) {
+        ViewCloud& cloud = *m_clouds[layer];
+        if (cloud.store->arranged() == std::exchange(cloud.arranged, cloud.store->arranged()) || !shows) continue;
+        // Stores are arranged once: before, places were those of the file.
+        const SlotOrder& order = cloud.store->order();
+        const PointId first = m_scene.layers[layer].firstId;
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, m_kept.size(), 1 << 14), [&](const auto& r) {
+            for (std::size_t k = r.begin(); k != r.end(); ++k) {
+                const auto place = m_scene.ids.find(m_kept[k]);
+                if (place && place->layer == layer) m_kept[k] = first + order.slotOf(order.placeAt(place->slot));
+            }
+        });
+    }
+}
+
 void ProgressiveRenderer::storesChanged(StoreChange change)
 {
     switch (change) {
         case StoreChange::Slots:
-            m_layersChanged = true;  // what ids stand for; values and ranges are as they were
+            keepThroughArranging();  // ids have other meanings; values and ranges are as they were
             break;
         case StoreChange::Hidden:
             m_viewChanged = true;
@@ -280,7 +302,7 @@ bool ProgressiveRenderer::copyPicture(unsigned texture)
 
 bool ProgressiveRenderer::converged() const noexcept
 {
-    return !m_targetChanged && !m_layersChanged && !m_viewChanged && !m_picture.outdated() &&
+    return !m_targetChanged && !m_layersChanged && !m_slotsChanged && !m_viewChanged && !m_picture.outdated() &&
            !m_words.streaming() && std::all_of(m_clouds.begin(), m_clouds.end(), [&](const auto& e) {
                return e->complete() && !e->store->stale() &&
                       (!m_look.display.averaged || e->colored == e->store->slotCount());
@@ -315,7 +337,7 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
     m_passes = {};
     const RasterBackend::Traffic before = m_backend->traffic();
     m_scheduler.beginFrame(*m_backend);
-    const bool viewChanged = m_targetChanged || m_layersChanged || m_viewChanged;
+    const bool viewChanged = m_targetChanged || m_layersChanged || m_slotsChanged || m_viewChanged;
     if (viewChanged) {
         outdateWords();
         updateScene();
@@ -323,10 +345,12 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
             m_backend->setTarget(m_size);
         } else if (m_layersChanged) {
             m_backend->clear();
+        } else if (m_slotsChanged) {
+            m_backend->redraw(m_scene, m_kept);
         } else {
             m_backend->reproject(m_scene);
         }
-        m_targetChanged = m_layersChanged = m_viewChanged = false;
+        m_targetChanged = m_layersChanged = m_slotsChanged = m_viewChanged = false;
         FrameScheduler::beginPass(m_clouds);
         // Where the device keeps the time it is told apart there.
         if (!m_scheduler.deviceDecides(*m_backend)) m_backend->finish();
@@ -337,7 +361,8 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
     // points.
     const double resolving = m_picture.seconds();
     const double deadline =
-        std::max(started + budget - resolving, viewChanged || budget <= 0 ? 0.0 : now() + resolving);
+        viewChanged ? started + budget - resolving
+                    : std::max(started + kStillFrame * budget - resolving, budget <= 0 ? 0.0 : now() + resolving);
     // While an attribute streams, filling and streaming share what is left of the frame.
     const double fillStarted = now();
     const double fillDeadline = streaming ? now() + (deadline - now()) / 2 : deadline;
@@ -394,7 +419,7 @@ FrameReport ProgressiveRenderer::renderBruteForce()
         m_backend->clear();
     else
         m_backend->setTarget(m_size);
-    m_targetChanged = m_layersChanged = m_viewChanged = false;
+    m_targetChanged = m_layersChanged = m_slotsChanged = m_viewChanged = false;
     FrameScheduler::beginPass(m_clouds);
     for (std::size_t k = 0; k < m_clouds.size(); ++k) {
         ViewCloud& entry = *m_clouds[k];
@@ -430,18 +455,17 @@ void ProgressiveRenderer::setSelection(const PointCloud& cloud, std::shared_ptr<
 PointSet ProgressiveRenderer::visiblePoints(const PointCloud& cloud)
 {
     PointSet points(cloud.size());
-    if (m_targetChanged || m_layersChanged) return points;
+    if (m_targetChanged || m_layersChanged || m_slotsChanged) return points;
     for (std::size_t layer = 0; layer < m_clouds.size(); ++layer) {
         const PointStore& store = *m_clouds[layer]->store;
         if (&store.cloud() != &cloud) continue;
-        const PointId first = m_scene.layers[layer].firstId;
         std::vector<PointId> visible;
         m_backend->visibleIds(visible);
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, visible.size(), 1 << 14), [&](const auto& r) {
             for (std::size_t k = r.begin(); k != r.end(); ++k) {
-                const PointId slot = visible[k] - first;  // of other clouds: wraps round, and is too large
-                if (slot >= store.slotCount()) continue;
-                const PointIndex i = store.order().indexOf(slot);
+                const auto place = m_scene.ids.find(visible[k]);
+                if (!place || place->layer != layer) continue;
+                const PointIndex i = store.order().indexOf(place->slot);
                 if (i >= points.size()) continue;
                 std::atomic_ref<std::uint64_t> word(points.words()[i / 64]);
                 word.fetch_or(std::uint64_t(1) << (i % 64), std::memory_order_relaxed);
@@ -472,15 +496,15 @@ PictureProjection ProgressiveRenderer::projectionOf(const PointCloud& cloud) con
 
 std::optional<PickResult> ProgressiveRenderer::pick(int x, int y, int radius)
 {
-    if (m_targetChanged || m_layersChanged || m_clouds.empty()) return std::nullopt;
+    if (m_targetChanged || m_layersChanged || m_slotsChanged || m_clouds.empty()) return std::nullopt;
     const auto hit = m_backend->pick(x, y, radius);
     if (!hit) return std::nullopt;
-    LayerLookup lookup(m_scene);
-    const std::size_t layer = lookup.layerOf(hit->id);
-    const PointStore& store = *m_clouds[layer]->store;
-    const PointIndex index = store.order().indexOf(hit->id - m_scene.layers[layer].firstId);
+    const auto place = m_scene.ids.find(hit->id);
+    if (!place) return std::nullopt;
+    const PointStore& store = *m_clouds[place->layer]->store;
+    const PointIndex index = store.order().indexOf(place->slot);
     if (index >= store.cloud().size()) return std::nullopt;
-    return PickResult{layer, index, store.cloud().world(index)};
+    return PickResult{place->layer, index, store.cloud().world(index)};
 }
 
 }  // namespace punctum::render

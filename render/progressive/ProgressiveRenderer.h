@@ -68,7 +68,7 @@ public:
     /// Points that are not drawn from now on, beside hidden classes and what the clip cuts off; null: none.
     void hide(const PointCloud& cloud, const PointSet* points);
 
-    /// Goes on with other slots of a store, PointStore::arrangement(); the picture is drawn anew.
+    /// Goes on with other slots of a store, PointStore::arrangement(); what the picture shows is seen anew in them.
     void arrange(const PointCloud& cloud, Arrangement&& arrangement);
 
     enum class StoreChange { Values, Selection, Hidden, Slots };
@@ -135,6 +135,8 @@ private:
     void outdateColors();
     /// Called in the frame that brings the last words, or finds that another renderer has.
     void wordsFresh() noexcept;
+    /// Stores have other slots: remembers the points that the picture shows.
+    void keepThroughArranging();
     /// Before a frame: clouds agree on what is shown, and on colors that are judged right.
     void agree();
     void refreshVisible();
@@ -152,8 +154,10 @@ private:
     SharedLegend m_legend;
     FramePicture m_picture;
     FrameReport::Passes m_passes;  ///< of this frame
+    std::vector<PointId> m_kept;   ///< what the picture showed when slots became others, by what they are now
     bool m_targetChanged = true;   ///< size or samples: a new, empty buffer is needed
     bool m_layersChanged = true;   ///< ids have new meanings: the buffer must be emptied
+    bool m_slotsChanged = false;   ///< ids have new meanings, and m_kept has those of what the buffer shows
     bool m_viewChanged = true;     ///< camera, point size, hidden classes: what is visible must be seen anew
 };
 

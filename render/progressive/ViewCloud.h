@@ -16,6 +16,7 @@ namespace punctum::render
 struct ViewCloud {
     std::shared_ptr<PointStore> store;
     bool loading = true;
+    bool arranged = false;                      ///< as the picture's ids have it
     Slot cursor = 0;                            ///< next slot to draw; goes round
     Slot drawn = 0;                             ///< slots drawn in this pass, which shows the present view
     PointIndex filledAtStart = 0;               ///< points the store had when the pass began

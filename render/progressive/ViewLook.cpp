@@ -3,7 +3,6 @@
 
 #include "render/progressive/FrameScheduler.h"
 #include "render/progressive/SharedLegend.h"
-#include "render/scene/PointIds.h"
 #include "render/store/Spacing.h"
 
 #include <glm/geometric.hpp>
@@ -60,8 +59,7 @@ int samplesOf(const DisplaySettings& display) noexcept
 
 void makeScene(ViewClouds& clouds, const ViewLook& look, const TargetSize& size, FrameScene& scene)
 {
-    scene.layers.clear();
-    PointIds ids;
+    scene.clear();
     Clip clip = look.display.clip;
     clip.planes.insert(clip.planes.end(), look.display.cuts.begin(), look.display.cuts.end());
     const PicturePart part = look.part.value_or(PicturePart{0, 0, size.width, size.height});
@@ -69,9 +67,8 @@ void makeScene(ViewClouds& clouds, const ViewLook& look, const TargetSize& size,
     for (const auto& cloud : clouds)
         all.include(cloud->store->cloud().coordinates().toWorld(cloud->store->bounds()));
     for (const auto& cloud : clouds) {
-        scene.layers.push_back(
-            {cloud->store.get(), ids.take(cloud->store->slotCount()),
-             makeProjection(look.camera, *cloud->store, part, styleOf(*cloud, look, clouds.size()), all)});
+        scene.add({cloud->store.get(), 0,
+                   makeProjection(look.camera, *cloud->store, part, styleOf(*cloud, look, clouds.size()), all)});
         Layer& layer = scene.layers.back();
         layer.clip = makeClip(clip, *cloud->store, layer.projection.reference);
         cloud->weight = 1.0;

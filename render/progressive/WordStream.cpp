@@ -2,7 +2,6 @@
 #include "render/progressive/WordStream.h"
 
 #include "render/progressive/Clock.h"
-#include "render/scene/LayerLookup.h"
 
 #include <algorithm>
 #include <shared_mutex>
@@ -41,11 +40,8 @@ bool WordStream::refreshVisible(ViewClouds& clouds, const FrameScene& scene, Vis
     if (!anyStale(clouds) || !std::exchange(m_visibleOutdated, false)) return false;
     buffer.visibleIds(m_visible);
     std::vector<std::vector<Slot>> slots(scene.layers.size());
-    LayerLookup lookup(scene);
-    for (const PointId id : m_visible) {
-        const std::size_t layer = lookup.layerOf(id);
-        slots[layer].push_back(id - scene.layers[layer].firstId);
-    }
+    for (const PointId id : m_visible)
+        if (const auto place = scene.ids.find(id)) slots[place->layer].push_back(place->slot);
     for (std::size_t layer = 0; layer < clouds.size(); ++layer) {
         PointStore& store = *clouds[layer]->store;
         const std::shared_lock lock(store.cloud().mutex());

@@ -21,6 +21,9 @@ public:
 
     /// Keeps what is visible, seen anew: clears, and draws the points that were in the buffer.
     virtual void reproject(const FrameScene& scene) = 0;
+    /// Clears, and draws these points: reproject() where ids have other meanings than those in the buffer. Brings
+    /// to a device all positions that changed.
+    virtual void redraw(const FrameScene& scene, std::span<const PointId> ids) = 0;
     /// Draws a run of slots of one layer.
     virtual void draw(const FrameScene& scene, std::size_t layer, SlotRange slots) = 0;
     /// Waits until everything asked for is done: makes clocks around draw() mean something.

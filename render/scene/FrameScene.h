@@ -3,13 +3,14 @@
 
 #include "render/scene/LayerClip.h"
 #include "render/scene/LayerProjection.h"
-#include "render/scene/PointId.h"
+#include "render/scene/PointIds.h"
 #include "render/scene/VisibleStretches.h"
 #include "render/store/PointStore.h"
 
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace punctum::render
@@ -29,8 +30,20 @@ struct Layer {
 /// are not drawn.
 struct FrameScene {
     std::vector<Layer> layers;
+    PointIds ids;  ///< which layer's slot each id stands for
     std::array<bool, 256> classVisible{};
     bool allClassesVisible = true;
+    /// One more layer; it gets ids. Throws Error when there are not so many.
+    void add(Layer layer)
+    {
+        layer.firstId = ids.take(layer.store->slotCount());
+        layers.push_back(std::move(layer));
+    }
+    void clear() noexcept
+    {
+        layers.clear();
+        ids.clear();
+    }
     /// Whether points have to be asked for their class or whether they are hidden.
     bool filters() const noexcept
     {

@@ -48,10 +48,8 @@ VisibleStretches::VisibleStretches(const Layer& layer, const TargetSize& size)
     if (stretches == 0) return;
     const Slot stretchPlaces = store.stretchPlaces();
     const std::vector<LinearSide> sides = sidesOf(layer, size);
-    m_bits.assign((stretches + 31) / 32, 0);
     const auto boxes = store.boxes();
     std::uint64_t seen = 0;
-    std::size_t count = 0;
     for (std::size_t k = 0; k < stretches; ++k) {
         const LocalBox box = store.frame().toLocal((*boxes)[k]);
         if (box.empty()) continue;
@@ -67,17 +65,16 @@ VisibleStretches::VisibleStretches(const Layer& layer, const TargetSize& size)
                 return s.of(low, high, kRounding) == LinearSide::Box::Outside;
             }))
             continue;
-        m_bits[k / 32] |= 1u << (k % 32);
+        m_list.push_back(std::uint32_t(k));
         const Slot first = Slot(k) * stretchPlaces, last = std::min(m_window, first + stretchPlaces);
         if (!m_places.empty() && m_places.back().last == first)
             m_places.back().last = last;
         else
             m_places.push_back({first, last});
         seen += last - first;
-        ++count;
     }
     m_share = std::min(1.0, double(seen) / double(m_window));
-    m_all = count == stretches;
+    m_all = m_list.size() == stretches;
 }
 
 void VisibleStretches::pieces(SlotRange slots, Slot most, std::vector<SlotRange>& out) const

@@ -28,15 +28,15 @@ public:
     bool all() const noexcept { return m_all; }
     /// Share of the slots that are in sight, 0 to 1.
     double share() const noexcept { return m_share; }
-    /// A bit for each stretch, the first one lowest.
-    std::span<const std::uint32_t> bits() const noexcept { return m_bits; }
+    /// Those in sight, rising.
+    std::span<const std::uint32_t> list() const noexcept { return m_list; }
     /// Appends what of a run of slots is in sight, in rising order, in pieces of at most `most` slots.
     void pieces(SlotRange slots, Slot most, std::vector<SlotRange>& out) const;
 
 private:
     Slot m_window = 1;                ///< slots of a window of the order
     std::vector<SlotRange> m_places;  ///< in sight, within each window; rising and apart
-    std::vector<std::uint32_t> m_bits;
+    std::vector<std::uint32_t> m_list;
     double m_share = 1.0;
     bool m_all = true;
 };

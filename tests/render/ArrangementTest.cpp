@@ -251,7 +251,7 @@ private Q_SLOTS:
     }
 
     void viewsGoOnWithOtherSlots_data() { runs(); }
-    /// While it is drawn, with a second view beside it.
+    /// While it is drawn, with a second view beside it that is not full.
     void viewsGoOnWithOtherSlots()
     {
         QFETCH(int, bits);
@@ -264,12 +264,51 @@ private Q_SLOTS:
         view.renderer.arrange(*cloud, std::move(*arrangementOf(*store)));
         beside.renderer.storesChanged(ProgressiveRenderer::StoreChange::Slots);
         QVERIFY(!view.renderer.converged() && !view.renderer.pick(160, 100, 5));
+        // The picture goes on: nothing is lost in the frame that draws one window of the new slots.
+        for (View* const one : {&view, &beside}) {
+            const Image before = one->renderer.image();
+            const double covered = one->renderer.coveredShare();
+            QVERIFY(covered > 0.1);
+            one->renderer.setPointsAFrame(1);
+            QVERIFY(!one->renderer.renderFrame(1.0).converged);
+            one->renderer.setPointsAFrame(0);
+            QVERIFY2(one->renderer.coveredShare() >= 0.999 * covered,
+                     qPrintable(QString::number(one->renderer.coveredShare() / covered)));
+            if (one == &view) QVERIFY(differing(one->renderer.image(), before) < 20);
+        }
         view.converge();
         beside.converge();
         View reference({store}, camera, {});
         const Image expected = reference.bruteForce();
         QCOMPARE(differing(view.renderer.image(), expected), 0);
         QCOMPARE(differing(beside.renderer.image(), expected), 0);
+    }
+
+    /// With another cloud before it in the numbering, moved at once, and with one taken out before the next frame.
+    void severalCloudsGoOn()
+    {
+        const auto cloud = scatteredCloud(RunOrder::kLongBits);
+        for (const bool taken : {false, true}) {
+            const auto other = filledStore(test::makeCloud(70'000)), store = filledStore(cloud);
+            Camera camera = cameraFor(*cloud, 320, 200);
+            View view({other, store}, camera, {}), plain({other, filledStore(cloud)}, camera, {});
+            view.converge(1.0);
+            plain.converge(1.0);
+            view.renderer.arrange(*cloud, std::move(*arrangementOf(*store)));
+            if (taken) view.renderer.removeCloud(other->cloud());
+            camera.yaw += 0.01;
+            for (View* const one : {&view, &plain}) {
+                one->renderer.setCamera(camera);
+                one->renderer.setPointsAFrame(1);
+                one->renderer.renderFrame(1.0);
+                one->renderer.setPointsAFrame(0);
+            }
+            if (!taken) QVERIFY(view.renderer.coveredShare() > 0.97 * plain.renderer.coveredShare());
+            view.converge();
+            View reference(taken ? std::vector{store} : std::vector{other, store}, camera, {});
+            const Image expected = reference.bruteForce();
+            QCOMPARE(differing(view.renderer.image(), expected), 0);
+        }
     }
 };
 

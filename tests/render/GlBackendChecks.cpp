@@ -413,7 +413,7 @@ void GlBackendChecks::rebuiltStoresAreSeen()
     const Camera camera = cameraFor(*cloud);
     const TargetSize size{kWidth, kHeight, 1};
     FrameScene scene;
-    scene.layers.push_back({&store, 0, makeProjection(camera, store, size)});
+    scene.add({&store, 0, makeProjection(camera, store, size)});
     const auto backend = gl();
     backend->setTarget(size);
     backend->draw(scene, 0, {0, store.slotCount()});
@@ -426,6 +426,40 @@ void GlBackendChecks::rebuiltStoresAreSeen()
     QVERIFY(std::abs(backend->coveredShare() - before) < 0.01 * before);
     backend->draw(scene, 0, {0, store.slotCount()});
     QVERIFY(backend->coveredShare() > 1.1 * before);
+}
+
+// The points of the buffer, drawn by their ids into an empty one, are all that it showed; so on the processor.
+void GlBackendChecks::pointsOfAListAreSeen()
+{
+    const auto cloud = cloudNamed("synthetic");
+    const auto first = filledStore(makeCloud(70'000)), second = filledStore(cloud);
+    const Camera camera = cameraFor(*cloud);
+    for (const int samples : {1, 4}) {
+        const TargetSize size{kWidth, kHeight, samples};
+        FrameScene scene;
+        for (const auto& store : {first, second}) scene.add({store.get(), 0, makeProjection(camera, *store, size)});
+        std::unique_ptr<RasterBackend> backends[] = {gl(), cpu()};
+        for (const auto& backend : backends) {
+            backend->setTarget(size);
+            for (std::size_t layer = 0; layer < 2; ++layer)
+                backend->draw(scene, layer, {0, scene.layers[layer].store->slotCount()});
+            std::vector<float> before, after;
+            backend->depths(before);
+            std::vector<PointId> ids;
+            backend->visibleIds(ids);
+            QVERIFY(
+                std::any_of(ids.begin(), ids.end(), [&](PointId id) { return scene.ids.find(id)->layer == 1; }));
+            backend->clear();
+            QCOMPARE(backend->coveredShare(), 0.0);
+            backend->redraw(scene, ids);
+            backend->depths(after);
+            QVERIFY(before == after);
+            ids.push_back(kNoPoint - 1);  // nobody's
+            backend->redraw(scene, ids);
+            backend->redraw(scene, {});
+            QCOMPARE(backend->coveredShare(), 0.0);
+        }
+    }
 }
 
 // A cloud is closed and another one opened that has everything alike but its points: the place in memory, the

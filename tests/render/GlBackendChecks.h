@@ -66,6 +66,7 @@ private slots:
     void loadingSendsEachPointOnce_data();
     void loadingSendsEachPointOnce();
     void rebuiltStoresAreSeen();
+    void pointsOfAListAreSeen();
     void otherStoresAtTheSameAddressAreSeen();
     void picksWhatIsOnScreen();
     void listsEachVisiblePoint();

@@ -40,7 +40,7 @@ private:
         store.fillAll();
         store.show(*cloud->findAttribute(attribute));
         while (store.stale()) store.refreshNext(cloud->size());
-        scene.layers.push_back({&store, 0, {}});
+        scene.add({&store, 0, {}});
     }
 };
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
+#include "core/Error.h"
 #include "render/order/SlotOrder.h"
 #include "render/scene/PointIds.h"
 
 #include <QTest>
 
 #include <cmath>
+#include <random>
+#include <utility>
 #include <vector>
 
 using namespace punctum;
@@ -19,6 +22,7 @@ private Q_SLOTS:
     void bijection();
     void windowsAreSpread();
     void idsAreNeverDealtTwice();
+    void idsStandForSlots();
 };
 
 void SlotOrderTest::bijection_data()
@@ -72,28 +76,69 @@ void SlotOrderTest::windowsAreSpread()
     }
 }
 
-// Two clouds of half of all ids each have one slot too many together: the second is refused and would not begin
+// Two clouds of half of all ids each have more than there are together: the second is refused and would not begin
 // anew at 0.
 void SlotOrderTest::idsAreNeverDealtTwice()
 {
     PointIds ids;
     QCOMPARE(ids.take(0x80000000u), PointId(0));
     QVERIFY_EXCEPTION_THROWN(ids.take(0x80000000u), Error);
-    QCOMPARE(ids.take(0x7FFFFFFEu), PointId(0x80000000u));  // a refusal takes nothing
-    QCOMPARE(ids.take(1), kNoPoint - 1);
-    QCOMPARE(ids.take(0), kNoPoint);
+    QVERIFY_EXCEPTION_THROWN(ids.take(0x7FFF0001u), Error);
+    QCOMPARE(ids.layers(), std::size_t(1));                 // a refusal takes nothing
+    QCOMPARE(ids.take(0x7FFEFFFFu), PointId(0x80000000u));  // and one number of its last block is nobody's
+    QCOMPARE(ids.take(0), PointId(0xFFFF0000u));
     QVERIFY_EXCEPTION_THROWN(ids.take(1), Error);
+    QVERIFY(!ids.find(0xFFFEFFFFu) && !ids.find(0xFFFF0000u) && !ids.find(kNoPoint));
+    for (const PointId id : {0u, 1u, 0x7FFFFFFFu}) {
+        QVERIFY(ids.find(id).has_value());
+        QVERIFY(ids.find(id)->layer == 0 && ids.find(id)->slot == id);
+    }
+    QVERIFY(ids.find(0x80000000u)->layer == 1 && ids.find(0x80000000u)->slot == 0);
+    QVERIFY(ids.find(0xFFFEFFFEu)->layer == 1 && ids.find(0xFFFEFFFEu)->slot == 0x7FFEFFFEu);
 
     PointIds others;
-    QCOMPARE(others.take(kNoPoint), PointId(0));  // all there are, without the one that stands for none
+    QCOMPARE(others.take(0xFFFF0000u), PointId(0));  // all there are
+    QVERIFY(others.find(0xFFFEFFFFu) && !others.find(0xFFFF0000u));
     QVERIFY_EXCEPTION_THROWN(others.take(1), Error);
     try {
         others.take(kNoPoint);
+        QVERIFY(false);
     } catch (const Error& e) {
         QCOMPARE(QString::fromStdString(e.what()),
-                 QStringLiteral("A view holds up to 4,294,967,295 points, and these clouds together have more; "
+                 QStringLiteral("A view holds up to 4,294,901,760 points, and these clouds together have more; "
                                 "leave one out."));
     }
+    others.clear();
+    QVERIFY(others.layers() == 0 && !others.find(0));
+
+    // The largest cloud there may be fits, with its padding.
+    const SlotOrder largest(OrderKind::Stratified, 0xFFFF0000u);
+    QVERIFY(largest.slotCount() >= 0xFFFF0000u);
+    QCOMPARE(others.take(largest.slotCount()), PointId(0));
+    QVERIFY_EXCEPTION_THROWN(SlotOrder(OrderKind::Stratified, 0xFFFF0001u), Error);
+}
+
+// Each number is found to be its layer's slot, or nobody's: brute force over many small layers.
+void SlotOrderTest::idsStandForSlots()
+{
+    std::mt19937 random(3);
+    PointIds ids;
+    std::vector<std::pair<PointId, Slot>> layers;
+    for (int k = 0; k < 40; ++k) {
+        const Slot count = k % 7 == 3 ? 0 : Slot(random() % 200'000);
+        layers.emplace_back(ids.take(count), count);
+    }
+    QCOMPARE(ids.layers(), layers.size());
+    std::uint64_t found = 0, all = 0;
+    for (const auto& [first, count] : layers) all += count;
+    for (PointId id = 0; id < 6'000'000; ++id) {
+        const auto place = ids.find(id);
+        if (!place) continue;
+        ++found;
+        if (layers[place->layer].first + place->slot != id || place->slot >= layers[place->layer].second)
+            QFAIL(qPrintable(QString::number(id)));
+    }
+    QCOMPARE(found, all);
 }
 
 QTEST_APPLESS_MAIN(SlotOrderTest)

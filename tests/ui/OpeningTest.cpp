@@ -3,6 +3,7 @@
 #include "UiTest.h"
 
 #include "core/Error.h"
+#include "render/store/PointStore.h"
 #include "ui/basic/Text.h"
 #include "ui/docks/AttributesDock.h"
 #include "ui/docks/FilesDock.h"
@@ -31,6 +32,8 @@
 #include <QPushButton>
 #include <QTimer>
 #include <QUrl>
+
+#include <map>
 
 using namespace punctum;
 using namespace punctum::ui;
@@ -218,6 +221,48 @@ private slots:
         QVERIFY2(said.front().contains(QStringLiteral("tile00.laz: This is not a LAS file")),
                  qPrintable(said.front()));
         QCOMPARE(test.window->filesDock().model().rowCount(), kMany - 1);
+    }
+
+    /// Measures a folder of one's own, which the variable names: the longest gap of the window from Open to the
+    /// finished picture, and when there was a picture with points.
+    void aFolderOfYours()
+    {
+        const QString folder = qEnvironmentVariable("PUNCTUM_OPEN_FOLDER");
+        if (folder.isEmpty()) QSKIP("PUNCTUM_OPEN_FOLDER names no folder to measure with.");
+        OpeningBench test;
+        test.workspace().askQuestion = [](const Question&, const std::function<void(bool)>& answer) {
+            answer(true);
+        };
+        QElapsedTimer clock, all;
+        std::map<qint64, qint64> gaps;  // by length, when they ended
+        qint64 first = -1;
+        QTimer beat;
+        connect(&beat, &QTimer::timeout, &beat, [&] {
+            const qint64 gap = clock.restart();
+            gaps[gap] = all.elapsed();
+        });
+        connect(&test.window->viewport(), &Viewport::frameShown, &beat, [&] {
+            const Document* const open = test.workspace().active();
+            if (first < 0 && open && open->store() && open->store()->filled() > 0) first = all.elapsed();
+        });
+        all.start();
+        clock.start();
+        beat.start(5);
+        test.window->openFiles({folder});
+        QVERIFY(waitFor([&] {
+            const Document* const open = test.workspace().active();
+            return open && open->store() && open->store()->filled() > 0 && !open->loading();
+        }));
+        const qint64 read = all.elapsed();
+        QVERIFY(test.settle());
+        beat.stop();
+        QString longest;
+        int told = 0;
+        for (auto gap = gaps.rbegin(); gap != gaps.rend() && told < 5; ++gap, ++told)
+            longest += QStringLiteral(" %1 (ended at %2)").arg(gap->first).arg(gap->second);
+        qInfo("first picture %lld ms, all read %lld ms, finished %lld ms; longest gaps, ms:%s", first, read,
+              all.elapsed(), qPrintable(longest));
+        QVERIFY(first >= 0);
     }
 
     void manyFilesCanBeStoppedAndDeclined()

@@ -4,7 +4,6 @@
 #include "core/Error.h"
 #include "render/raster/cpu/CpuResolve.h"
 #include "render/resolve/HoleFill.h"
-#include "render/scene/LayerLookup.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -15,6 +14,8 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 namespace punctum::render
 {
@@ -30,6 +31,11 @@ constexpr std::uint64_t kMostCells = 0xFFFFFFFFu;
 constexpr Slot kDrawGrain = 8192;
 /// How many ids ahead positions are asked for.
 constexpr std::size_t kPrefetchAhead = 64;
+/// How many pieces ahead, and of each so many slots: pieces lie far apart, and have 16 slots for each stretch.
+constexpr std::size_t kPiecesAhead = 12;
+constexpr std::size_t kAheadSlots = 64;
+/// Stretches that are drawn through all windows together.
+constexpr std::size_t kStretchesTogether = 4;
 /// Cells whose ids make one list when the picture is seen anew.
 constexpr std::size_t kBandCells = std::size_t(1) << 14;
 
@@ -143,12 +149,63 @@ void drawIds(const Drawing& d, std::span<const PointId> ids, std::vector<PointId
     }
 }
 
-/// Calls each(block, count) for the projected points of a run of slots, where something is in sight. `pieces`: room
-/// that is kept.
+/// Draws pieces of a store's slots; short ones are gathered into blocks.
 template <typename Each>
-void forEachBlock(const Drawing& d, const Layer& layer, SlotRange slots, std::vector<SlotRange>& pieces,
-                  const Each& each)
+class PieceDrawing
 {
+public:
+    PieceDrawing(const Drawing& d, const Each& each) : m_d(d), m_each(each) {}
+
+    void draw(std::span<const SlotRange> pieces)
+    {
+        for (std::size_t k = 0; k < pieces.size(); ++k) {
+            if (k + kPiecesAhead < pieces.size()) askFor(pieces[k + kPiecesAhead]);
+            std::size_t at = pieces[k].first;
+            const std::size_t end = pieces[k].last;
+            for (; end - at >= kProjectBlock; at += kProjectBlock)
+                m_each(m_block, m_d.kernel.project(&m_d.positions[at].x, kProjectBlock, m_d.firstId + PointId(at),
+                                                   m_d.arguments, m_block));
+            while (at < end) {
+                const std::size_t count = std::min(end - at, kProjectBlock - m_waiting);
+                std::copy_n(m_d.positions + at, count, m_gathered + m_waiting);
+                std::iota(m_ids + m_waiting, m_ids + m_waiting + count, m_d.firstId + PointId(at));
+                at += count;
+                m_waiting += count;
+                if (m_waiting == kProjectBlock) finish();
+            }
+        }
+    }
+    void finish()
+    {
+        const std::size_t kept =
+            m_d.kernel.project(&m_gathered[0].x, std::exchange(m_waiting, 0), 0, m_d.arguments, m_block);
+        for (std::size_t k = 0; k < kept; ++k) m_block.id[k] = m_ids[m_block.id[k]];
+        m_each(m_block, kept);
+    }
+
+private:
+    void askFor(const SlotRange& piece) const
+    {
+        const auto* const bytes = reinterpret_cast<const char*>(m_d.positions + piece.first);
+        const std::size_t length = std::min<std::size_t>(piece.size(), kAheadSlots) * sizeof(LocalPosition);
+        for (std::size_t b = 0; b < length; b += 64) __builtin_prefetch(bytes + b);
+    }
+
+    const Drawing& m_d;
+    const Each& m_each;
+    ProjectedBlock m_block;
+    LocalPosition m_gathered[kProjectBlock + 8];
+    PointId m_ids[kProjectBlock];
+    std::size_t m_waiting = 0;
+};
+
+/// Calls each(block, count) for the projected points of a run of slots, where something is in sight. There, a few
+/// stretches are drawn through all windows of the run before the next ones: what they cover of the picture stays in
+/// the cache, and other threads draw elsewhere.
+template <typename Each>
+void forEachBlock(const Drawing& d, const Layer& layer, SlotRange slots, const Each& each)
+{
+    if (slots.first >= slots.last) return;
     if (!layer.visible || layer.visible->all()) {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(slots.first, slots.last, kDrawGrain), [&](const auto& r) {
             ProjectedBlock block;
@@ -160,40 +217,33 @@ void forEachBlock(const Drawing& d, const Layer& layer, SlotRange slots, std::ve
         });
         return;
     }
-    pieces.clear();
-    layer.visible->pieces(slots, kDrawGrain, pieces);
-    std::size_t all = 0;
-    for (const SlotRange& piece : pieces) all += piece.size();
-    const std::size_t grain = std::max<std::size_t>(1, pieces.size() * kDrawGrain / std::max<std::size_t>(all, 1));
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pieces.size(), grain), [&](const auto& r) {
-        ProjectedBlock block;
-        LocalPosition gathered[kProjectBlock + 8];
-        PointId ids[kProjectBlock];
-        std::size_t waiting = 0;  // of short pieces, which are drawn together
-        const auto drawGathered = [&] {
-            const std::size_t kept = d.kernel.project(&gathered[0].x, waiting, 0, d.arguments, block);
-            for (std::size_t k = 0; k < kept; ++k) block.id[k] = ids[block.id[k]];
-            waiting = 0;
-            each(block, kept);
-        };
-        for (std::size_t piece = r.begin(); piece != r.end(); ++piece) {
-            std::size_t at = pieces[piece].first;
-            const std::size_t end = pieces[piece].last;
-            for (; end - at >= kProjectBlock; at += kProjectBlock)
-                each(block, d.kernel.project(&d.positions[at].x, kProjectBlock, d.firstId + PointId(at),
-                                             d.arguments, block));
-            while (at < end) {
-                const std::size_t count = std::min(end - at, kProjectBlock - waiting);
-                for (std::size_t k = 0; k < count; ++k) {
-                    gathered[waiting + k] = d.positions[at + k];
-                    ids[waiting + k] = d.firstId + PointId(at + k);
+    const std::span<const std::uint32_t> list = layer.visible->list();
+    const std::uint64_t window = layer.store->order().windowSize(), places = layer.store->stretchPlaces();
+    const std::uint64_t firstWindow = slots.first / window, lastWindow = (slots.last - 1) / window + 1;
+    const std::size_t grain =
+        std::max<std::size_t>(kStretchesTogether, kDrawGrain / (places * (lastWindow - firstWindow)));
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, list.size(), grain), [&](const auto& r) {
+        PieceDrawing<Each> drawing(d, each);
+        std::vector<SlotRange> pieces;
+        for (std::size_t group = r.begin(); group < r.end(); group += kStretchesTogether) {
+            const auto together = list.subspan(group, std::min(kStretchesTogether, r.end() - group));
+            pieces.clear();
+            for (std::uint64_t w = firstWindow; w < lastWindow; ++w) {
+                const std::uint64_t begin = w * window;
+                for (const std::uint32_t stretch : together) {
+                    const std::uint64_t first = std::max<std::uint64_t>(slots.first, begin + stretch * places);
+                    const std::uint64_t last =
+                        std::min({std::uint64_t(slots.last), begin + window, begin + (stretch + 1) * places});
+                    if (first >= last) continue;
+                    if (!pieces.empty() && pieces.back().last == first)
+                        pieces.back().last = Slot(last);
+                    else
+                        pieces.push_back({Slot(first), Slot(last)});
                 }
-                at += count;
-                waiting += count;
-                if (waiting == kProjectBlock) drawGathered();
             }
+            drawing.draw(pieces);
         }
-        if (waiting > 0) drawGathered();
+        drawing.finish();
     });
 }
 
@@ -260,14 +310,14 @@ void CpuBackend::reproject(const FrameScene& scene)
     if (m_bands.size() != bands * layers) m_bands.assign(bands * layers, {});
     tbb::parallel_for(std::size_t(0), bands, [&](std::size_t band) {
         Band* const lists = m_bands.data() + band * layers;
-        LayerLookup lookup(scene);
         for (std::size_t layer = 0; layer < layers; ++layer) {
             lists[layer].visible.clear();
             lists[layer].again.clear();
         }
         // Points of a layer may have hidden those of others.
         for (std::size_t layer = 0; layer < layers; ++layer) {
-            for (const PointId id : lists[layer].hidden) lists[lookup.layerOf(id)].again.push_back(id);
+            for (const PointId id : lists[layer].hidden)
+                if (const auto place = scene.ids.find(id)) lists[place->layer].again.push_back(id);
             lists[layer].hidden.clear();
         }
         PointId last = kNoPoint;
@@ -275,9 +325,9 @@ void CpuBackend::reproject(const FrameScene& scene)
         for (std::uint64_t& cell : part.first(std::min(kBandCells, part.size()))) {
             const auto id = PointId(cell);
             cell = kEmpty;
-            if (id == last || id == kNoPoint || layers == 0) continue;
+            if (id == last || id == kNoPoint) continue;
             last = id;
-            lists[lookup.layerOf(id)].visible.push_back(id);
+            if (const auto place = scene.ids.find(id)) lists[place->layer].visible.push_back(id);
         }
     });
     for (std::size_t layer = 0; layer < layers; ++layer) {
@@ -290,10 +340,24 @@ void CpuBackend::reproject(const FrameScene& scene)
     }
 }
 
+void CpuBackend::redraw(const FrameScene& scene, std::span<const PointId> ids)
+{
+    clear();
+    std::vector<std::vector<PointId>> lists(scene.layers.size());
+    for (const PointId id : ids)
+        if (const auto place = scene.ids.find(id)) lists[place->layer].push_back(id);
+    for (std::size_t layer = 0; layer < lists.size(); ++layer) {
+        const Drawing d = prepare(m_kernel, scene, layer, m_size, cellSpan().data());
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lists[layer].size(), kDrawGrain), [&](const auto& r) {
+            drawIds(d, std::span<const PointId>(lists[layer]).subspan(r.begin(), r.size()), nullptr);
+        });
+    }
+}
+
 void CpuBackend::draw(const FrameScene& scene, std::size_t layer, SlotRange slots)
 {
     const Drawing d = prepare(m_kernel, scene, layer, m_size, cellSpan().data());
-    forEachBlock(d, scene.layers[layer], slots, m_pieces,
+    forEachBlock(d, scene.layers[layer], slots,
                  [&](ProjectedBlock& block, std::size_t kept) { splat(d, block, kept); });
 }
 
@@ -303,7 +367,7 @@ void CpuBackend::addColors(const FrameScene& scene, const ResolveSettings& setti
     m_sums.reserve(cells().size());
     const Drawing d = prepare(m_kernel, scene, layer, m_size, cellSpan().data());
     const std::uint32_t* const words = scene.layers[layer].store->words().data();
-    forEachBlock(d, scene.layers[layer], slots, m_pieces, [&](ProjectedBlock& block, std::size_t projected) {
+    forEachBlock(d, scene.layers[layer], slots, [&](ProjectedBlock& block, std::size_t projected) {
         Rgba8 colors[kProjectBlock];
         const std::size_t kept = keepShown(d, block, projected);
         for (std::size_t k = 0; k < kept; ++k)

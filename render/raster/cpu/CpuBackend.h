@@ -27,6 +27,7 @@ public:
     void clear() override;
     void visibleIds(std::vector<PointId>& out) override;
     void reproject(const FrameScene& scene) override;
+    void redraw(const FrameScene& scene, std::span<const PointId> ids) override;
     void draw(const FrameScene& scene, std::size_t layer, SlotRange slots) override;
     void finish() override {}
     void clearColors() override { m_sums.clear(); }
@@ -62,8 +63,7 @@ private:
         std::vector<PointId> hidden;  ///< by `visible` or of it, in the last reproject(): of any layer
         std::vector<PointId> again;   ///< hidden by the one before
     };
-    std::vector<SlotRange> m_pieces;  ///< of a run, in sight; kept likewise
-    std::vector<Band> m_bands;        ///< kept, so that memory is not asked for each frame
+    std::vector<Band> m_bands;  ///< kept, so that memory is not asked for each frame
 };
 
 }  // namespace punctum::render

@@ -3,10 +3,12 @@
 
 #include "render/resolve/Background.h"
 #include "render/resolve/EyeDome.h"
-#include "render/scene/LayerLookup.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+
+#include <cstdint>
+#include <vector>
 
 namespace punctum::render
 {
@@ -45,6 +47,8 @@ void resolveCells(std::span<const std::uint64_t> cells, std::span<const CpuSums:
     out.resize(size.width, size.height);
     const auto samples = std::size_t(size.samples);
     const std::size_t rowCells = std::size_t(size.width) * samples;
+    std::vector<const std::uint32_t*> words;  // of each layer
+    for (const Layer& layer : scene.layers) words.push_back(layer.store->words().data());
     const EyeDomeShades shades(cells, size, settings.eyeDome);
     tbb::parallel_for(tbb::blocked_range<int>(0, size.height, 8), [&](const tbb::blocked_range<int>& rows) {
         std::vector<Rgba8> colors(samples > 1 ? rowCells : 0);
@@ -59,17 +63,13 @@ void resolveCells(std::span<const std::uint64_t> cells, std::span<const CpuSums:
                 std::fill_n(pixels, size.width, background);
                 continue;
             }
-            LayerLookup lookup(scene), ahead(scene);
             for (std::size_t k = 0; k < rowCells; ++k) {
                 if (k + kWordsAhead < rowCells) {
-                    const auto next = PointId(row[k + kWordsAhead]);
-                    if (next != kNoPoint) {
-                        const Layer& layer = scene.layers[ahead.layerOf(next)];
-                        __builtin_prefetch(layer.store->words().data() + (next - layer.firstId));
-                    }
+                    if (const auto next = scene.ids.find(PointId(row[k + kWordsAhead])))
+                        __builtin_prefetch(words[next->layer] + next->slot);
                 }
-                const auto id = PointId(row[k]);
-                if (id == kNoPoint) {
+                const auto place = scene.ids.find(PointId(row[k]));
+                if (!place) {
                     target[k] = background;
                     continue;
                 }
@@ -77,9 +77,7 @@ void resolveCells(std::span<const std::uint64_t> cells, std::span<const CpuSums:
                     target[k] = mean(rowSums[k]);
                     continue;
                 }
-                const std::size_t layer = lookup.layerOf(id);
-                const Layer& l = scene.layers[layer];
-                target[k] = colorOf(l.store->words()[id - l.firstId], settings.layers[layer], settings);
+                target[k] = colorOf(words[place->layer][place->slot], settings.layers[place->layer], settings);
             }
             if (!shades.empty()) {
                 shades.shadesOf(y, shade);

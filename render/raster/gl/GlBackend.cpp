@@ -261,6 +261,49 @@ void GlBackend::reproject(const FrameScene& scene)
     checkGlErrors("drawing points");
 }
 
+void GlBackend::redraw(const FrameScene& scene, std::span<const PointId> ids)
+{
+    if (m_visibility->empty()) return;
+    const GlStateGuard guard;
+    updateCopies(scene);
+    for (const Layer& layer : scene.layers) {
+        GlPointCopy& copy = copyOf(layer);
+        copy.rebuilt = false;
+        copy.update(*layer.store, Part::Positions, {0, layer.store->slotCount()});
+        if (scene.filters()) copy.update(*layer.store, Part::Groups, {0, layer.store->slotCount()});
+    }
+    // As collect() lists what is in the buffer, in one list for the whole picture.
+    const std::vector<ChunkPlace> all = places(scene);
+    std::vector<std::vector<std::uint32_t>> slots(all.size());
+    for (const PointId id : ids) {
+        if (!scene.ids.find(id)) continue;
+        const auto after = std::upper_bound(all.begin(), all.end(), id,
+                                            [](PointId i, const ChunkPlace& place) { return i < place.firstId; });
+        slots[std::size_t(after - all.begin()) - 1].push_back(id - (after - 1)->firstId);
+    }
+    std::vector<GlVisibility::Command> commands;
+    std::vector<std::uint32_t> list;
+    for (const std::vector<std::uint32_t>& chunk : slots) {
+        GlVisibility::Command command{};
+        command.count = std::uint32_t(chunk.size());
+        command.instances = 1;
+        command.firstIndex = std::uint32_t(list.size());
+        command.groups[0] = (command.count + m_groupPoints.list - 1) / m_groupPoints.list;
+        command.groups[1] = command.groups[2] = 1;
+        commands.push_back(command);
+        list.insert(list.end(), chunk.begin(), chunk.end());
+    }
+    m_visibility->clear();
+    if (list.empty()) return;
+    GlVisibility::Band band;
+    band.commands.reserve(commands.size() * sizeof(GlVisibility::Command));
+    band.commands.write(0, commands.data(), commands.size() * sizeof(GlVisibility::Command), m_traffic);
+    band.list.reserve(list.size() * sizeof(std::uint32_t));
+    band.list.write(0, list.data(), list.size() * sizeof(std::uint32_t), m_traffic);
+    drawCommands(scene, all, {&band, 1});
+    checkGlErrors("drawing points");
+}
+
 void GlBackend::depths(std::vector<float>& out)
 {
     const GlStateGuard guard;

@@ -38,6 +38,7 @@ public:
     void clear() final;
     void visibleIds(std::vector<PointId>& out) final;
     void reproject(const FrameScene& scene) final;
+    void redraw(const FrameScene& scene, std::span<const PointId> ids) final;
     void draw(const FrameScene& scene, std::size_t layer, SlotRange slots) final;
     void finish() final { GlSync::insert().wait(); }
     bool keepsTime() const noexcept final { return m_info.timesToBuffers; }

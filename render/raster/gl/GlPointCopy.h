@@ -63,7 +63,7 @@ public:
     // -- notes of GlBackend on this copy
     bool rebuilt = false;        ///< visible points may not have come over yet
     bool wordsOutdated = false;  ///< words of visible points may be those of another attribute or of an older value
-    GlBuffer inSight;            ///< VisibleStretches::bits() of ...
+    GlBuffer inSight;            ///< VisibleStretches::list() of ...
     std::shared_ptr<const VisibleStretches> visible;  ///< ... what was drawn last; null: nothing is there
     std::shared_ptr<const AttributeEncoder> encoder;  ///< of the words, when they were last found complete
 

@@ -24,6 +24,10 @@ constexpr std::uint32_t kGroupSize = 128;
 constexpr std::uint32_t kRunPoints = 32 * kGroupSize;
 /// Points of a work group that draws a list: lists are shorter.
 constexpr std::uint32_t kListPoints = 8 * kGroupSize;
+/// Points that an invocation asks memory for before it draws the first of them (2022 paper, section 3: so that the
+/// wait for one is the wait for all).
+constexpr std::uint32_t kLoads = 4;
+static_assert(kRunPoints % (kLoads * kGroupSize) == 0 && kListPoints % (kLoads * kGroupSize) == 0);
 
 constexpr int kAdding = 3;
 
@@ -51,6 +55,7 @@ GlProgram makeProgram(const Variant& v)
     define("PASS", std::to_string(v.pass));
     define("SAMPLES", std::to_string(v.samples));
     define("GROUP_SIZE", std::to_string(kGroupSize));
+    define("LOADS", std::to_string(kLoads));
     define("GROUP_POINTS", std::to_string(v.list ? kListPoints : kRunPoints));
     if (v.wide) define("WIDE", "");
     if (v.commands) define("COMMANDS", "");
@@ -85,10 +90,10 @@ bool hasWideAtomics()
     }
 }
 
-/// Whether runs of slots are drawn by what is in sight. A window is no shorter than a step of a work group then.
+/// Whether runs of slots are drawn by what is in sight.
 bool byStretches(const Layer& layer)
 {
-    return layer.visible && !layer.visible->all() && layer.store->order().windowSize() >= kGroupSize;
+    return layer.visible && !layer.visible->all();
 }
 
 class GlComputeBackend final : public GlBackend
@@ -176,9 +181,9 @@ void GlComputeBackend::bindInSight(const Layer& layer)
 {
     GlPointCopy& copy = copyOf(layer);
     if (copy.visible != layer.visible) {
-        const auto bits = layer.visible->bits();
-        copy.inSight.reserve(bits.size_bytes());
-        copy.inSight.write(0, bits.data(), bits.size_bytes(), counted());
+        const auto list = layer.visible->list();
+        copy.inSight.reserve(std::max(list.size_bytes(), sizeof(std::uint32_t)));
+        if (!list.empty()) copy.inSight.write(0, list.data(), list.size_bytes(), counted());
         copy.visible = layer.visible;
     }
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, copy.inSight.id());
@@ -191,8 +196,8 @@ void GlComputeBackend::bindChunk(const FrameScene& scene, const Layer& layer, co
     if (scene.filters()) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, chunk.groups.id());
     if (!m_stretches) return;
     const PointStore& store = *layer.store;
-    glUniform3ui(at::kStretches, store.order().windowSize(), GLuint(std::countr_zero(store.stretchPlaces())),
-                 chunk.first);
+    glUniform4ui(at::kStretches, store.order().windowSize(), GLuint(std::countr_zero(store.stretchPlaces())),
+                 chunk.first, GLuint(layer.visible->list().size()));
 }
 
 template <class F>
@@ -205,7 +210,13 @@ void GlComputeBackend::dispatch(const FrameScene& scene, const Layer& layer, Slo
         bindChunk(scene, layer, chunk);
         each(chunk);
         glUniform2ui(at::kSlots, at - chunk.first, end - chunk.first);
-        glDispatchCompute((end - at + kRunPoints - 1) / kRunPoints, 1, 1);
+        std::uint64_t points = end - at;
+        if (m_stretches) {  // of each window, what is in sight
+            const Slot window = layer.store->order().windowSize();
+            points = ((end - 1) / window + 1 - at / window) * std::uint64_t(layer.visible->list().size()) *
+                     layer.store->stretchPlaces();
+        }
+        if (points > 0) glDispatchCompute(GLuint((points + kRunPoints - 1) / kRunPoints), 1, 1);
         at = end;
     }
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Draws points into the visibility buffer (Schuetz, Kerbl, Wimmer 2022, section 3). A work group draws a batch of
-// GROUP_POINTS points, one invocation some of them, a stride apart, so that neighbors read neighboring memory. What
-// is hidden by what was drawn before is found by a plain read; only the rest does atomic operations.
+// GROUP_POINTS points, one invocation some of them, a stride apart, so that neighbors read neighboring memory; it asks
+// for LOADS of them before it draws the first. What is hidden by what was drawn before is found by a plain read; only
+// the rest does atomic operations.
 //
 // PASS 2: one 64-bit minimum of (depth, id). Where the driver has none: PASS 0 finds each sample's least depth and
 // takes out the id of what is hidden now, PASS 1 puts in the least id of that depth. Both give the same picture.
@@ -44,8 +45,9 @@ layout(std430, binding = 6) coherent buffer Depths { uint depths[]; };
 #endif
 
 #ifdef STRETCHES
-layout(std430, binding = 4) readonly buffer InSight { uint inSight[]; };  // VisibleStretches::bits()
-layout(location = AT_stretches) uniform uvec3 stretches;  // slots of a window, log2 of a stretch's, the chunk's first slot
+layout(std430, binding = 4) readonly buffer InSight { uint inSight[]; };  // VisibleStretches::list()
+// slots of a window, log2 of a stretch's, the chunk's first slot, how many are in sight
+layout(location = AT_stretches) uniform uvec4 stretches;
 #endif
 
 layout(location = AT_kept) uniform vec4 kept;       // points with lowX <= x < highX and lowY <= y < highY are drawn
@@ -86,14 +88,13 @@ void cover(uint cell, uint id, uint depth)
 }
 #endif
 
-void draw(uint slot)
+void draw(uint slot, ivec3 position)
 {
-    const ivec3 position = ivec3(positions[3u * slot], positions[3u * slot + 1u], positions[3u * slot + 2u]);
     const vec3 q = vec3(position - reference);
     precise const float depth = along(rowD, q);
     precise const float inverse = perspective ? 1.0 / depth : 1.0;
     precise const vec2 px = vec2(along(rowX, q), along(rowY, q)) * inverse;
-    bool shown = position.x != 0 && depth >= nearDepth && px.x >= kept.x && px.x < kept.y && px.y >= kept.z &&
+    bool shown = depth >= nearDepth && px.x >= kept.x && px.x < kept.y && px.y >= kept.z &&
                  px.y < kept.w;
     shown = shown && !clipped(position, q);
 #ifdef FILTER
@@ -123,6 +124,28 @@ void draw(uint slot)
 #endif
 }
 
+#ifdef STRETCHES
+// What is drawn are the slots in sight of all windows that [first, last) lies in, one after the other; of these, the
+// `item`-th. Not below `last` where it is none of the run.
+uint slotOf(uint item, uint window, uint perWindow, uint first, uint last)
+{
+    // by float, whose error is less than one, as whole numbers are divided slowly
+    uint k = uint(float(item) / float(perWindow));
+    int rest = int(item) - int(k * perWindow);
+    if (rest < 0) {
+        --k;
+        rest += int(perWindow);
+    } else if (rest >= int(perWindow)) {
+        ++k;
+        rest -= int(perWindow);
+    }
+    const uint within = uint(rest), stretch = inSight[within >> stretches.y];
+    const uint place = (stretch << stretches.y) + (within & ((1u << stretches.y) - 1u));
+    const uint slot = (window + k) * stretches.x + place - stretches.z;  // wraps round before the chunk: too large
+    return place < stretches.x && slot >= first ? slot : last;
+}
+#endif
+
 void main()
 {
 #ifdef COMMANDS
@@ -130,21 +153,42 @@ void main()
 #else
     const uint first = slots.x, last = slots.y;
 #endif
-    const uint begin = first + gl_WorkGroupID.x * uint(GROUP_POINTS);
-    const uint end = min(last, begin + uint(GROUP_POINTS));
 #ifdef STRETCHES
-    uint place = (stretches.z + begin + gl_LocalInvocationID.x) % stretches.x;  // in the window
-#endif
-    for (uint i = begin + gl_LocalInvocationID.x; i < end; i += uint(GROUP_SIZE)) {
-#ifdef LIST
-        draw(list[i]);
-#elif defined(STRETCHES)
-        const uint stretch = place >> stretches.y;
-        place += uint(GROUP_SIZE);
-        if (place >= stretches.x) place -= stretches.x;  // a window is no shorter than that step
-        if ((inSight[stretch >> 5] & (1u << (stretch & 31u))) != 0u) draw(i);
+    const uint perWindow = stretches.w << stretches.y, window = (stretches.z + first) / stretches.x;
+    const uint items =
+        last > first ? ((stretches.z + last - 1u) / stretches.x + 1u - window) * perWindow : 0u;
 #else
-        draw(i);
+    const uint items = last - first;
 #endif
+    // Once, but where the commands of the device count slots and more of them are looked at than it knew.
+    for (uint batch = gl_WorkGroupID.x * uint(GROUP_POINTS); batch < items;
+         batch += gl_NumWorkGroups.x * uint(GROUP_POINTS)) {
+        const uint end = min(items, batch + uint(GROUP_POINTS));
+        for (uint i = batch + gl_LocalInvocationID.x; i < end; i += uint(LOADS * GROUP_SIZE)) {
+            uint slot[LOADS];
+            ivec3 position[LOADS];
+            for (int k = 0; k < LOADS; ++k) {
+                const uint item = i + uint(k * GROUP_SIZE);
+                slot[k] = last;
+                position[k] = ivec3(0);
+                if (item < end) {
+#ifdef LIST
+                    slot[k] = list[first + item];
+                    const bool has = true;
+#elif defined(STRETCHES)
+                    slot[k] = slotOf(item, window, perWindow, first, last);
+                    const bool has = slot[k] < last;
+#else
+                    slot[k] = first + item;
+                    const bool has = true;
+#endif
+                    if (has)
+                        position[k] = ivec3(positions[3u * slot[k]], positions[3u * slot[k] + 1u],
+                                            positions[3u * slot[k] + 2u]);
+                }
+            }
+            for (int k = 0; k < LOADS; ++k)
+                if (position[k].x != 0) draw(slot[k], position[k]);
+        }
     }
 }
