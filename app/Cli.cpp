@@ -38,6 +38,9 @@ void describe(CLI::App& root, Action& action)
     addProcess(root, action);
     addExtract(root, action);
     addReplay(root, action);
+    addRaster(root, action);
+    addContours(root, action);
+    addOutline(root, action);
     addSample(root, action);
     addBench(root, action);
     root.require_subcommand(1);

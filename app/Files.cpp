@@ -115,6 +115,14 @@ std::shared_ptr<Session> loadForWriting(const std::vector<fs::path>& in, const O
     return session;
 }
 
+std::shared_ptr<Session> loadForReading(const std::vector<fs::path>& in, Progress& progress)
+{
+    auto session = Session::open(in, {}, progress);
+    const las::ReadResult result = session->read(progress);
+    for (const std::string& warning : allWarnings(session->survey(), result)) note(warning);
+    return session;
+}
+
 las::WriteReport saveSession(Session& session, const Output& out, const las::WriteOptions& options,
                              Progress& progress)
 {

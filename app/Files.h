@@ -45,6 +45,9 @@ Output outputOf(const std::string& word, bool several);
 std::shared_ptr<Session> loadForWriting(const std::vector<std::filesystem::path>& in, const Output& out,
                                         Progress& progress, bool undo = false);
 
+/// A session with all points of the files, for reading alone: puts warnings on stderr. Throws Error, Cancelled.
+std::shared_ptr<Session> loadForReading(const std::vector<std::filesystem::path>& in, Progress& progress);
+
 /// Session::save() without telling what changed, or merge() of several files into one, with a hint at the option
 /// that says yes to its question. Makes the folder where there is none. Throws Error, Cancelled.
 las::WriteReport saveSession(Session& session, const Output& out, const las::WriteOptions& options,

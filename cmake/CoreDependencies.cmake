@@ -9,6 +9,8 @@ if(NOT TARGET glm::glm)
   add_library(glm::glm ALIAS glm)
 endif()
 pkg_check_modules(PROJ REQUIRED IMPORTED_TARGET proj)
+pkg_check_modules(TIFF REQUIRED IMPORTED_TARGET libtiff-4)
+pkg_check_modules(ZLIB REQUIRED IMPORTED_TARGET zlib)
 # PCL's own modules set FLANN_ROOT, which later versions of CMake warn of.
 set(CMAKE_POLICY_DEFAULT_CMP0144 NEW)
 find_package(PCL 1.13 REQUIRED COMPONENTS common kdtree search)
@@ -20,4 +22,13 @@ if(NOT TARGET laszip::laszip)
   add_library(laszip::laszip UNKNOWN IMPORTED)
   set_target_properties(laszip::laszip PROPERTIES
     IMPORTED_LOCATION ${LASZIP_LIBRARY} INTERFACE_INCLUDE_DIRECTORIES ${LASZIP_INCLUDE_DIR})
+endif()
+
+# libgeotiff, which has no file for pkg-config everywhere.
+find_path(GEOTIFF_INCLUDE_DIR geotiff/geotiff.h REQUIRED)
+find_library(GEOTIFF_LIBRARY geotiff REQUIRED)
+if(NOT TARGET geotiff::geotiff)
+  add_library(geotiff::geotiff UNKNOWN IMPORTED)
+  set_target_properties(geotiff::geotiff PROPERTIES
+    IMPORTED_LOCATION ${GEOTIFF_LIBRARY} INTERFACE_INCLUDE_DIRECTORIES ${GEOTIFF_INCLUDE_DIR})
 endif()

@@ -6,13 +6,14 @@ set -eu
 
 packages="cmake ninja-build ccache g++ pkg-config
     qt6-base-dev qt6-qpa-plugins libgl-dev libegl-dev libegl1 libgl1-mesa-dri
-    libglm-dev libpcl-dev libtbb-dev libepoxy-dev nlohmann-json3-dev libcli11-dev liblaszip-dev libproj-dev"
+    libglm-dev libpcl-dev libtbb-dev libepoxy-dev nlohmann-json3-dev libcli11-dev liblaszip-dev libproj-dev
+    libtiff-dev libgeotiff-dev zlib1g-dev"
 # shellcheck source=/dev/null
 distribution=$(. /etc/os-release 2>/dev/null && echo "${ID:-} ${VERSION_CODENAME:-}") || distribution=
 for argument in "$@"; do
     case $argument in
     --test)
-        packages="$packages xvfb"
+        packages="$packages xvfb geotiff-bin"
         # The tests of layout and names go by version 14 of these; where there is no such version they are skipped.
         case $distribution in
         "debian bookworm" | "ubuntu noble") packages="$packages clang-14 clang-format-14 clang-tidy-14 python3" ;;
@@ -38,7 +39,8 @@ fail() {
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
     say "this system has no apt, so nothing is installed here. Punctum needs a C++20 compiler, CMake 3.25, Ninja,"
-    say "Qt 6.4, OpenGL and EGL, GLM, PCL 1.13, TBB, libepoxy, nlohmann-json, CLI11, PROJ and LASzip (tests: Xvfb)."
+    say "Qt 6.4, OpenGL and EGL, GLM, PCL 1.13, TBB, libepoxy, nlohmann-json, CLI11, PROJ, libtiff, libgeotiff,"
+    say "zlib and LASzip (tests: Xvfb, listgeo)."
     exit 0
 fi
 

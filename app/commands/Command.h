@@ -38,6 +38,9 @@ void addRender(CLI::App& root, Action& action);
 void addProcess(CLI::App& root, Action& action);
 void addExtract(CLI::App& root, Action& action);
 void addReplay(CLI::App& root, Action& action);
+void addRaster(CLI::App& root, Action& action);
+void addContours(CLI::App& root, Action& action);
+void addOutline(CLI::App& root, Action& action);
 void addSample(CLI::App& root, Action& action);
 void addBench(CLI::App& root, Action& action);
 

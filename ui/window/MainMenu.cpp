@@ -70,11 +70,15 @@ void MainMenu::makeFile()
         m_menus.add(menu, tr("&Export Screenshot..."), QStringLiteral("screenshot"), {QKeySequence(Qt::Key_F12)},
                     tr("Save a picture of the view or of the section, of any size, with legend and scale bar"),
                     [this] { emit screenshotWanted(); });
+    QAction* map = m_menus.add(menu, tr("Export &Map..."), {}, {QKeySequence(Qt::CTRL | Qt::Key_M)},
+                               tr("Make a map of the active file: terrain, surface, canopy, relief, an attribute, "
+                                  "contours, outlines"),
+                               [this] { emit mapWanted(); });
     menu->addSeparator();
     close = m_menus.add(menu, tr("&Close"), {}, {QKeySequence(Qt::CTRL | Qt::Key_W)}, tr("Close the active file"),
                         [this] { emit closeWanted(); });
     m_menus.add(menu, tr("&Quit"), {}, {QKeySequence(Qt::CTRL | Qt::Key_Q)}, {}, [this] { emit quitWanted(); });
-    for (QAction* action : {saveAs, screenshot, close}) m_menus.needsDocument(action);
+    for (QAction* action : {saveAs, screenshot, map, close}) m_menus.needsDocument(action);
 }
 
 void MainMenu::makeEdit()

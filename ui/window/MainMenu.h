@@ -65,6 +65,7 @@ signals:
     void saveAsOneFileWanted();
     void recoverWanted();
     void screenshotWanted();
+    void mapWanted();
     void closeWanted();
     void quitWanted();
     void fitAllWanted();

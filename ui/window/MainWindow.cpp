@@ -17,6 +17,8 @@
 #include "ui/document/FileDoctor.h"
 #include "ui/document/Recovery.h"
 #include "ui/document/Workspace.h"
+#include "ui/maps/Maps.h"
+#include "ui/maps/Maps.h"
 #include "ui/measure/MeasureDock.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
@@ -186,6 +188,7 @@ void MainWindow::addMenus()
     connect(m_menu, &MainMenu::saveAsOneFileWanted, this, &MainWindow::saveAsOneFile);
     connect(m_menu, &MainMenu::recoverWanted, this, [this] { (new RecoveryList(*m_workspace, this))->show(); });
     connect(m_menu, &MainMenu::screenshotWanted, this, [this] { m_screenshots->choose(); });
+    connect(m_menu, &MainMenu::mapWanted, new Maps(*this, *m_workspace, *m_settings), &Maps::choose);
     connect(m_menu, &MainMenu::closeWanted, this, &MainWindow::closeActive);
     connect(m_menu, &MainMenu::quitWanted, this, &MainWindow::close);
     connect(m_menu, &MainMenu::fitAllWanted, m_framing, &Framing::fitAll);

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#include "app/commands/MapOptions.h"
+
+#include "app/commands/Command.h"
+#include "core/Error.h"
+#include "core/expression/Condition.h"
+
+namespace punctum::app
+{
+
+void addMapOptions(CLI::App& command, MapOptions& options, const std::string& out)
+{
+    command.add_option("FILE", options.files, "LAS or LAZ files, folders or .vpc, taken as one survey")->required();
+    command.add_option("-o,--output", options.out, out)->type_name("OUT")->required();
+    command
+        .add_option("--cell", options.cell,
+                    "Side of a cell in units of X and Y (default: fits the spacing of the points); cells lie on "
+                    "multiples of it")
+        ->type_name("SIZE")
+        ->check(CLI::PositiveNumber);
+    command
+        .add_option("--where", options.where,
+                    "Only the points for which this condition over attributes holds; the user guide tells the "
+                    "language")
+        ->type_name("CONDITION");
+    command.add_flag("--json", options.json, "Report in JSON");
+}
+
+void addGroundOptions(CLI::App& command, GroundOptions& options)
+{
+    command.add_option("--ground", options.classes, "Classes of the ground, such as 2,9 (default: 2)")
+        ->type_name("CLASSES");
+    command
+        .add_option(
+            "--bridge", options.bridge,
+            "Width up to which the ground is drawn across voids, in the unit of X and Y, or in meters where "
+            "these are degrees (default: 100 cells)")
+        ->type_name("LENGTH")
+        ->check(CLI::PositiveNumber);
+    command
+        .add_option(
+            "--fill", options.fill,
+            "Cells across which holes are filled from the cells around (default: 3 for dsm and chm, else 0)")
+        ->type_name("CELLS")
+        ->check(CLI::Range(0, 1000));
+    command.add_flag("--noise", options.noise, "Take heights of the noise classes 7 and 18 as well");
+}
+
+void checkCondition(const std::string& where)
+{
+    if (where.empty()) return;
+    try {
+        expression::Condition::check(where);
+    } catch (const Error& error) {
+        throw UsageError(error.what());
+    }
+}
+
+MapRequest mapRequest(const MapOptions& options, const GroundOptions& ground)
+{
+    checkCondition(options.where);
+    MapRequest request;
+    request.cell = options.cell;
+    request.where = options.where;
+    request.ground = ground.classes;
+    request.bridge = ground.bridge;
+    if (ground.fill >= 0) request.fill = ground.fill;
+    request.noise = ground.noise;
+    return request;
+}
+
+}  // namespace punctum::app

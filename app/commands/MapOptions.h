@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/raster/Maps.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace CLI
+{
+class App;
+}
+
+namespace punctum::app
+{
+
+/// What all commands that make maps are told.
+struct MapOptions {
+    std::vector<std::string> files;
+    std::string out;
+    double cell = 0;
+    std::string where;
+    bool json = false;
+};
+/// What those are told that draw the ground.
+struct GroundOptions {
+    std::string classes = "2";
+    double bridge = 0;
+    int fill = -1;
+    bool noise = false;
+};
+
+/// Adds FILE..., -o, --cell, --where and --json; `out` says what OUT may be.
+void addMapOptions(CLI::App& command, MapOptions& options, const std::string& out);
+/// Adds --ground, --bridge, --fill and --noise.
+void addGroundOptions(CLI::App& command, GroundOptions& options);
+
+/// A request with these options. Throws UsageError when the condition is none.
+MapRequest mapRequest(const MapOptions& options, const GroundOptions& ground);
+/// Throws UsageError when the condition is none.
+void checkCondition(const std::string& where);
+
+}  // namespace punctum::app
