@@ -58,7 +58,7 @@ void addOutline(CLI::App& root, Action& action)
 {
     CLI::App& command = addCommand(root, "outline",
                                    "Draw around the areas that points cover, such as buildings by --where "
-                                   "\"Classification = 6\", as GeoJSON or DXF.");
+                                   "\"Classification == 6\", as GeoJSON or DXF.");
     const auto options = std::make_shared<OutlineOptions>();
     addMapOptions(command, *options, "File to write: .geojson or .dxf");
     command

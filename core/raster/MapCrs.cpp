@@ -7,6 +7,7 @@
 #include "core/las/Proj.h"
 #include "core/las/SourceFile.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
@@ -68,6 +69,27 @@ void addWktOfMap(PJ_CONTEXT* context, MapCrs& map)
         }
 }
 
+/// The keys of a system that the file defines by itself.
+void addKeysOfMap(const las::SourceFile& file, MapCrs& map)
+{
+    constexpr std::uint16_t kFirstKey = las::geo::kModelType, kRasterType = 1025, kLastKey = 4099;
+    const las::Vlr* const record = file.findVlr(las::geo::kUser, las::geo::kKeysId);
+    if (record == nullptr) return;
+    const las::GeoKeys keys(*record, file.findVlr(las::geo::kUser, las::geo::kAsciiId),
+                            file.findVlr(las::geo::kUser, las::geo::kDoublesId));
+    if (!keys.sound()) return;
+    for (std::uint16_t id = kFirstKey; id <= kLastKey; ++id) {
+        if (id == kRasterType) continue;
+        if (const std::uint16_t number = keys.number(id); number != 0)
+            map.keys.push_back({id, number});
+        else if (const double real = keys.real(id); std::isfinite(real) && real != 0.0)
+            map.keys.push_back({id, real});
+        else if (std::string text = keys.text(id); !text.empty())
+            map.keys.push_back({id, std::move(text)});
+    }
+    map.name = map.text;
+}
+
 }  // namespace
 
 MapCrs mapCrs(const PointCloud& cloud)
@@ -81,7 +103,10 @@ MapCrs mapCrs(const PointCloud& cloud)
     const proj::Context context = proj::makeContext();
     if (!context) return map;
     if (!map.text.starts_with(kEpsgPrefix)) {
-        if (map.text.find('[') != std::string::npos) addWktOfMap(context.get(), map);
+        if (map.text.find('[') != std::string::npos && !map.text.starts_with("ESRI PE"))
+            addWktOfMap(context.get(), map);
+        else
+            addKeysOfMap(*source, map);
         return map;
     }
     map.horizontal = std::uint16_t(std::strtoul(map.text.c_str() + kEpsgPrefix.size(), nullptr, 10));

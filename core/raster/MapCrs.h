@@ -5,6 +5,8 @@
 
 #include <cstdint>
 #include <string>
+#include <variant>
+#include <vector>
 
 namespace punctum
 {
@@ -22,8 +24,15 @@ struct MapCrs {
     std::string wkt;   ///< in ESRI's words, for a system without a code; else empty
     std::string text;  ///< as SourceFile::crs
     CoordinateUnits units;
+    /// A GeoTIFF key, with its number, real number or text.
+    struct Key {
+        std::uint16_t id = 0;
+        std::variant<std::uint16_t, double, std::string> value;
+    };
+    /// Of a file whose GeoTIFF keys define a system of their own: all keys, as they are.
+    std::vector<Key> keys;
 
-    bool known() const noexcept { return horizontal != 0 || !wkt.empty(); }
+    bool known() const noexcept { return horizontal != 0 || !wkt.empty() || !keys.empty(); }
 };
 
 /// Of a cloud, from its file's WKT or GeoTIFF keys; never throws for what a file holds. Needs no lock.

@@ -58,7 +58,7 @@ std::string classCondition(const std::string& classes)
     const auto close = [&] {
         if (number.empty()) throw Error("\"" + classes + "\" is no list of classes, such as 2,9.");
         if (from.empty())
-            list += (list.empty() ? "Classification = " : " or Classification = ") + number;
+            list += (list.empty() ? "Classification == " : " or Classification == ") + number;
         else
             list += (list.empty() ? "(" : " or (") + std::string("Classification >= ") + from +
                     " and Classification <= " + number + ")";

@@ -65,11 +65,15 @@ public:
         const auto c = std::ptrdiff_t(column), r = std::ptrdiff_t(row);
         for (std::ptrdiff_t k = 0; k < 9; ++k)
             z[std::size_t(k)] = double(valueAt(m_heights, c + k % 3 - 1, r + k / 3 - 1));
+        // beyond an edge as the other side goes on; corners of corners from the two sides beside them
         const std::array<double, 9> there = z;
-        for (std::size_t k = 0; k < 9; ++k) {
-            if (!std::isnan(there[k])) continue;
-            z[k] = std::isnan(there[8 - k]) ? double(middle) : 2.0 * double(middle) - there[8 - k];
-        }
+        const auto complete = [&](std::size_t k, double otherwise) {
+            if (!std::isnan(there[k])) return;
+            z[k] = std::isnan(there[8 - k]) ? otherwise : 2.0 * double(middle) - there[8 - k];
+        };
+        for (const std::size_t k : {1, 3, 5, 7}) complete(k, double(middle));
+        for (const std::size_t k : {0, 2, 6, 8})
+            complete(k, z[k < 3 ? 1 : 7] + z[k % 3 == 0 ? 3 : 5] - double(middle));
         return Gradient{((z[2] + 2 * z[5] + z[8]) - (z[0] + 2 * z[3] + z[6])) * m_east,
                         ((z[0] + 2 * z[1] + z[2]) - (z[6] + 2 * z[7] + z[8])) * m_north};
     }

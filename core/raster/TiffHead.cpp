@@ -109,7 +109,21 @@ void writeKeys(TIFF* tiff, const MapCrs& crs)
         std::replace(clean.begin(), clean.end(), '|', ' ');
         if (!clean.empty()) GTIFKeySet(keys.get(), key, TYPE_ASCII, int(clean.size()) + 1, clean.c_str());
     };
+    GTIFSetVersionNumbers(keys.get(), 1, 1, 1);  // 1.1: vertical codes are those of systems
     number(GTRasterTypeGeoKey, kPixelIsArea);
+    for (const MapCrs::Key& key : crs.keys) {
+        const auto id = geokey_t(key.id);
+        if (const auto* whole = std::get_if<std::uint16_t>(&key.value))
+            number(id, *whole);
+        else if (const auto* real = std::get_if<double>(&key.value))
+            GTIFKeySet(keys.get(), id, TYPE_DOUBLE, 1, *real);
+        else
+            text(id, std::get<std::string>(key.value));
+    }
+    const auto write = [&] {
+        if (GTIFWriteKeys(keys.get()) == 0) throw Error("The coordinate system of the map could not be written.");
+    };
+    if (!crs.keys.empty()) return write();
     if (crs.known() || crs.geographic)
         number(GTModelTypeGeoKey, crs.geographic ? las::geo::kModelGeographic : las::geo::kModelProjected);
     text(GTCitationGeoKey, crs.name);
@@ -128,7 +142,7 @@ void writeKeys(TIFF* tiff, const MapCrs& crs)
     if (!crs.geographic && crs.unit != 0) number(ProjLinearUnitsGeoKey, crs.unit);
     if (crs.vertical != 0) number(VerticalCSTypeGeoKey, crs.vertical);
     if (crs.verticalUnit != 0) number(VerticalUnitsGeoKey, crs.verticalUnit);
-    if (GTIFWriteKeys(keys.get()) == 0) throw Error("The coordinate system of the map could not be written.");
+    write();
 }
 
 /// A list of numbers in a directory: where it lies, and how wide they are.

@@ -31,7 +31,7 @@ private slots:
         for (const char* kind : {"dtm", "dsm", "chm", "density", "hillshade", "slope", "aspect"})
             QTest::addRow("%s", kind) << QStringList{"--of", kind};
         QTest::addRow("mean") << QStringList{"--of", "Intensity", "--statistic", "mean"};
-        QTest::addRow("p95") << QStringList{"--of", "Z", "--statistic", "p95", "--where", "ReturnNumber = 1"};
+        QTest::addRow("p95") << QStringList{"--of", "Z", "--statistic", "p95", "--where", "ReturnNumber == 1"};
         QTest::addRow("classes") << QStringList{"--of", "Classification", "--statistic", "majority"};
     }
     void makesRasters()
@@ -75,7 +75,7 @@ private slots:
         }
         QVERIFY(contents("c.dxf").contains("CONTOUR_INDEX"));
         const Outcome areas = runPunctum(
-            {"outline", path("in.las"), "-o", path("o.geojson"), "--where", "Classification = 6", "--json"});
+            {"outline", path("in.las"), "-o", path("o.geojson"), "--where", "Classification == 6", "--json"});
         PUNCTUM_EXIT(areas, 0);
         QVERIFY(areas.json()["areas"].toInt() > 0);
         QVERIFY(areas.json()["area"].toDouble() > 0);

@@ -202,7 +202,7 @@ private slots:
         rawAxis(*cloud, 0)[points.size()] = 300000;
         Progress progress;
         OutlineRequest request;
-        request.where = "Classification = 6";
+        request.where = "Classification == 6";
         request.cell = 0.5;
         request.leastArea = 9;
         const auto areas = outlinesOf(*cloud, request, progress);

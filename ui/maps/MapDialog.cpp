@@ -18,6 +18,7 @@
 #include <QPushButton>
 #include <QVBoxLayout>
 
+#include <algorithm>
 #include <cmath>
 
 namespace punctum::ui
@@ -72,7 +73,7 @@ MapDialog::MapDialog(const Document& document, QWidget* parent)
     m_step->put(plainNumber(height > 0.0 ? roundLength(height / kContoursInAll) : 1.0));
     m_step->setAccessibleName(tr("Height between contours"));
     m_form->addRow(tr("&Height between"), m_step);
-    m_where->setPlaceholderText(tr("all points, or a condition such as Classification = 6"));
+    m_where->setPlaceholderText(tr("all points, or a condition such as Classification == 6"));
     m_where->setAccessibleName(tr("Which points"));
     m_where->setObjectName(QStringLiteral("mapWhere"));
     m_form->addRow(tr("&Points"), m_where);
@@ -189,7 +190,8 @@ void MapDialog::change()
     m_about->setText(aboutKind());
     m_problem->clear();
     const double cell = m_cell->number().value_or(0.0);
-    const glm::dvec2 cells = cell > 0.0 ? glm::ceil(m_extent / cell) : glm::dvec2(0.0);
+    const glm::dvec2 cells =
+        cell > 0.0 ? glm::dvec2(std::ceil(m_extent.x / cell), std::ceil(m_extent.y / cell)) : glm::dvec2(0.0);
     const bool some = cells.x >= 1.0 && cells.y >= 1.0 && cells.x < 1e9 && cells.y < 1e9;
     m_size->setText(
         some ? tr("About %1 × %2 cells.").arg(countText(std::uint64_t(cells.x)), countText(std::uint64_t(cells.y)))

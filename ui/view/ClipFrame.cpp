@@ -21,9 +21,9 @@ namespace punctum::ui
 namespace
 {
 
-constexpr double kRadius = 6.0;    ///< px, of a handle
-constexpr double kReach = 10.0;    ///< px from its middle that still take hold of it
-constexpr double kOutside = 20.0;  ///< px from a face to its handle, so that those of a flat box lie apart
+constexpr double kHandleRadius = 6.0;  ///< px, of a handle
+constexpr double kReach = 10.0;        ///< px from its middle that still take hold of it
+constexpr double kOutside = 20.0;      ///< px from a face to its handle, so that those of a flat box lie apart
 /// Squared sine of the least angle between a face's axis and the line of sight: about 10 degrees.
 constexpr double kLeastSine2 = 0.03;
 
@@ -282,7 +282,7 @@ void ClipFrame::paintEvent(QPaintEvent*)
         }
         painter.setPen(QPen(QColor(255, 255, 255, held ? 255 : 200), 1.6));
         painter.setBrush(held ? QColor(255, 255, 255) : accent);
-        const double radius = held ? kRadius + 1.0 : kRadius;
+        const double radius = held ? kHandleRadius + 1.0 : kHandleRadius;
         if (k == kMiddle)
             painter.drawRect(QRectF(at->x() - radius, at->y() - radius, 2 * radius, 2 * radius));
         else
