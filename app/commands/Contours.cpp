@@ -61,7 +61,7 @@ void addContours(CLI::App& root, Action& action)
     addMapOptions(command, *options, "File to write: .geojson or .dxf");
     command.add_option("--step", options->contours.step, "Height between contours, in units of Z")
         ->type_name("SIZE")
-        ->check(CLI::PositiveNumber)
+        ->check(moreThanNothing())
         ->required();
     command.add_option("--base", options->contours.base, "A height that has a contour (default: 0)")
         ->type_name("Z");

@@ -5,8 +5,21 @@
 #include "core/Error.h"
 #include "core/expression/Condition.h"
 
+#include <cmath>
+
 namespace punctum::app
 {
+
+CLI::Validator moreThanNothing()
+{
+    return CLI::Validator(
+        [](std::string& text) {
+            double number = 0;
+            const bool good = CLI::detail::lexical_cast(text, number) && std::isfinite(number) && number > 0;
+            return good ? std::string() : "it must be a number above 0, not \"" + text + "\"";
+        },
+        "");
+}
 
 void addMapOptions(CLI::App& command, MapOptions& options, const std::string& out)
 {
@@ -17,7 +30,7 @@ void addMapOptions(CLI::App& command, MapOptions& options, const std::string& ou
                     "Side of a cell in units of X and Y (default: fits the spacing of the points); cells lie on "
                     "multiples of it")
         ->type_name("SIZE")
-        ->check(CLI::PositiveNumber);
+        ->check(moreThanNothing());
     command
         .add_option("--where", options.where,
                     "Only the points for which this condition over attributes holds; the user guide tells the "
@@ -36,7 +49,7 @@ void addGroundOptions(CLI::App& command, GroundOptions& options)
             "Width up to which the ground is drawn across voids, in the unit of X and Y, or in meters where "
             "these are degrees (default: 100 cells)")
         ->type_name("LENGTH")
-        ->check(CLI::PositiveNumber);
+        ->check(moreThanNothing());
     command
         .add_option(
             "--fill", options.fill,

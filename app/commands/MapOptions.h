@@ -10,7 +10,8 @@
 namespace CLI
 {
 class App;
-}
+class Validator;
+}  // namespace CLI
 
 namespace punctum::app
 {
@@ -31,6 +32,8 @@ struct GroundOptions {
     bool noise = false;
 };
 
+/// Checks that an option is a number above 0.
+CLI::Validator moreThanNothing();
 /// Adds FILE..., -o, --cell, --where and --json; `out` says what OUT may be.
 void addMapOptions(CLI::App& command, MapOptions& options, const std::string& out);
 /// Adds --ground, --bridge, --fill and --noise.

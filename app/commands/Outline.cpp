@@ -65,17 +65,17 @@ void addOutline(CLI::App& root, Action& action)
         .add_option("--close", options->request.close,
                     "Gaps narrower than this are closed, in units of X and Y (default: 3 cells)")
         ->type_name("LENGTH")
-        ->check(CLI::PositiveNumber);
+        ->check(moreThanNothing());
     command
         .add_option("--simplify", options->request.simplify,
                     "How far an outline may be off for having fewer points, in units of X and Y (default: a cell)")
         ->type_name("LENGTH")
-        ->check(CLI::PositiveNumber);
+        ->check(moreThanNothing());
     command
         .add_option("--least-area", options->request.leastArea,
                     "Leave out smaller areas and holes, in square units of X and Y (default: 16 cells)")
         ->type_name("AREA")
-        ->check(CLI::PositiveNumber);
+        ->check(moreThanNothing());
     command.add_flag("--convex", options->request.convex, "One convex hull of all points");
     command.add_flag("--wgs84", options->wgs84,
                      "GeoJSON in longitude and latitude, as RFC 7946 has it, and not in the system of the points");

@@ -124,7 +124,7 @@ void addRaster(CLI::App& root, Action& action)
         .add_option("--pits", options->pits,
                     "Of chm: fill cells lower than those around by more than this, in units of Z")
         ->type_name("DEPTH")
-        ->check(CLI::PositiveNumber);
+        ->check(moreThanNothing());
     command.add_option("--azimuth", options->sun.azimuth, "Where the light of hillshade is, degrees from north")
         ->check(CLI::Range(-360.0, 360.0));
     command.add_option("--altitude", options->sun.altitude, "How high it is, degrees")

@@ -57,8 +57,8 @@ struct MapBench : TestWindow {
     /// Keeps a picture of the dialog where PUNCTUM_KEEP_PICTURES names a folder.
     void keep(const QString& name) const
     {
-        const QString folder = qEnvironmentVariable("PUNCTUM_KEEP_PICTURES");
-        if (!folder.isEmpty()) dialog->grab().save(folder + QLatin1Char('/') + name);
+        const QString kept = qEnvironmentVariable("PUNCTUM_KEEP_PICTURES");
+        if (!kept.isEmpty()) dialog->grab().save(kept + QLatin1Char('/') + name);
     }
 };
 
