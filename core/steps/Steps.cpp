@@ -3,12 +3,18 @@
 
 #include "core/Error.h"
 #include "core/Text.h"
+#include "core/clean/Duplicates.h"
+#include "core/clean/Isolated.h"
+#include "core/clean/LowPoints.h"
 #include "core/clean/Outliers.h"
+#include "core/clean/Strays.h"
 #include "core/process/AttributeList.h"
 #include "core/process/Delete.h"
 #include "core/process/Reclassify.h"
 #include "core/process/SetByRule.h"
 #include "core/shape/Normals.h"
+#include "core/thin/Thin.h"
+#include "core/thin/ThinTo.h"
 
 #include <algorithm>
 #include <vector>
@@ -23,6 +29,12 @@ namespace
 std::vector<const Step*> makeSteps()
 {
     static const OutliersStep outliers;
+    static const IsolatedStep isolated;
+    static const LowPointsStep low;
+    static const StraysStep strays;
+    static const DuplicatesStep duplicates;
+    static const ThinStep thin;
+    static const ThinToStep thinTo;
     static const NormalsStep normals;
     static const ReclassifyStep reclassify;
     static const SetByRuleStep setByRule;
@@ -31,11 +43,12 @@ std::vector<const Step*> makeSteps()
     static const RenameStep rename;
     static const RemoveStep remove;
     std::vector<const Step*> steps{
-        &outliers,                // cleaning
-        &normals,                 // shape
-        &reclassify, &setByRule,  // classes
-        &deleteStep, &restore,    // points
-        &rename,     &remove,     // attributes
+        &outliers,   &isolated,  &low, &strays, &duplicates,  // cleaning
+        &thin,       &thinTo,                                 // thinning
+        &normals,                                             // shape
+        &reclassify, &setByRule,                              // classes
+        &deleteStep, &restore,                                // points
+        &rename,     &remove,                                 // attributes
     };
     const auto before = [](const Step* a, const Step* b) {
         return a->description().group < b->description().group;

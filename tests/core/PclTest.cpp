@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Our steps against PCL's own filters with one kd-tree over the whole cloud, on real files.
 #include "core/las/Reader.h"
-#include "core/steps/Steps.h"
 #include "core/sample/Sample.h"
+#include "core/steps/Steps.h"
 #include "core/task/Progress.h"
 #include "tests/core/MadeCloud.h"
 
 #include <pcl/features/normal_3d.h>
 #include <pcl/filters/statistical_outlier_removal.h>
+#include <pcl/filters/voxel_grid.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/search/kdtree.h>
@@ -61,6 +62,8 @@ class PclTest : public QObject
 private slots:
     void outliersAreThoseOfPcl_data() { files(); }
     void outliersAreThoseOfPcl();
+    void cellsAreThoseOfPcl_data() { files(); }
+    void cellsAreThoseOfPcl();
     void normalsAreThoseOfPcl_data() { files(); }
     void normalsAreThoseOfPcl();
     void normalsOfTheSample();
@@ -109,6 +112,48 @@ void PclTest::outliersAreThoseOfPcl()
     qInfo("%llu outliers of %llu points", qulonglong(expected.count()), qulonglong(cloud->size()));
     QVERIFY(expected.count() > 100);
     QCOMPARE(differ, PointIndex(0));
+}
+
+// PCL counts cells from the zero of its coordinates, as thin does from that of the world's: it is given coordinates
+// from a place that is a whole number of cells away. Cells of 0.7 m are no whole number of steps of any file; its
+// floats may still take a point for one beyond a face.
+void PclTest::cellsAreThoseOfPcl()
+{
+    QFETCH(QString, file);
+    const auto cloud = load(file);
+    if (!cloud) QSKIP(qPrintable(file + " is not there"));
+    const double cell = file.startsWith("lone") ? 0.05 : 0.7;
+    const glm::dvec3 origin = glm::floor(cloud->world(0) / cell) * cell;
+    Points::Ptr points(new Points);
+    for (PointIndex i = 0; i < cloud->size(); ++i) {
+        const glm::dvec3 p = cloud->world(i) - origin;
+        points->push_back({float(p.x), float(p.y), float(p.z)});
+    }
+    pcl::VoxelGrid<pcl::PointXYZ> filter;
+    filter.setLeafSize(float(cell), float(cell), float(cell));
+    filter.setInputCloud(points);
+    filter.setSaveLeafLayout(true);
+    Points theirs;
+    const auto start = std::chrono::steady_clock::now();
+    filter.filter(theirs);
+    const double pclSeconds = secondsSince(start);
+    const auto ourStart = std::chrono::steady_clock::now();
+    const auto command = run(*cloud, "thin method=grid cell=" + std::to_string(cell));
+    const double seconds = secondsSince(ourStart);
+    QVERIFY(command != nullptr);
+    const auto ours = double(cloud->size() - command->changedPoints()), other = double(theirs.size());
+    qInfo("%.0f cells, PCL %.0f; %.1f M points/s, PCL %.1f", ours, other, double(cloud->size()) / seconds * 1e-6,
+          double(cloud->size()) / pclSeconds * 1e-6);
+    QVERIFY(std::abs(ours - other) <= 0.0005 * other);
+    // One point in each of PCL's cells.
+    std::vector<int> kept(theirs.size());
+    std::size_t extra = 0;
+    for (PointIndex i = 0; i < cloud->size(); ++i)
+        if (!command->points()->contains(i)) {
+            const int at = filter.getCentroidIndex((*points)[i]);
+            extra += at < 0 || kept[std::size_t(at)]++ > 0;
+        }
+    QVERIFY(double(extra) <= 0.0005 * other);
 }
 
 void PclTest::normalsAreThoseOfPcl()

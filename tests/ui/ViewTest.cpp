@@ -85,6 +85,42 @@ private slots:
         QVERIFY(fitted(false));
     }
 
+    void straysAreRemovedByOneClick()
+    {
+        TestWindow test;
+        const QString path = test.folder.filePath(QStringLiteral("strays.las"));
+        writeWithStrays(path, 30'000, 3);
+        Document* const document = test.open(path);
+        QVERIFY(document && test.settle());
+        WorldBounds survey = document->bounds();
+        survey.max.x -= 60'000;
+        test.window->framing().fitAll();  // with them
+        QVERIFY(waitFor([&] { return seen(test.window->viewport(), survey) < 0.05; }, 10'000) && test.settle());
+        auto* const action = test.window->findChild<QAction*>(QStringLiteral("removeStrays"));
+        QVERIFY(action && action->isEnabled());
+        action->trigger();
+        QVERIFY(waitFor([&] { return deletedPoints(*document->cloud()) != nullptr; }, 10'000));
+        QCOMPARE(deletedPoints(*document->cloud())->count(), PointIndex(3));
+        QVERIFY(waitFor([&] { return seen(test.window->viewport(), survey) > 0.5; }, 10'000) && test.settle());
+        QVERIFY(test.window->viewport().messages().sentences().back().contains(QStringLiteral("deleted")));
+        // There are none any more, which a sentence says; and they come back.
+        action->trigger();
+        QVERIFY(waitFor(
+            [&] {
+                return test.window->viewport().messages().sentences().back().contains(QStringLiteral("no point"));
+            },
+            10'000));
+        QVERIFY(test.settle());
+        test.window->workspace().undo(*document);
+        QVERIFY(waitFor(
+            [&] {
+                return deletedPoints(*document->cloud()) == nullptr ||
+                       deletedPoints(*document->cloud())->count() == 0;
+            },
+            10'000));
+        QVERIFY(test.settle());
+    }
+
     void fitGoesByWhatIsShown()
     {
         TestWindow test;

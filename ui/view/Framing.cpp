@@ -169,6 +169,30 @@ void Framing::fitActive()
     if (Document* const active = m_workspace.active()) fitShown({active});
 }
 
+void Framing::removeStrays()
+{
+    Document* const active = m_workspace.active();
+    if (active == nullptr || active->loading()) return;
+    const auto ended = [this, target = QPointer<Document>(active)](const JobInfo& info,
+                                                                   const EditOutcome& outcome) {
+        if (!target || info.state == JobState::Cancelled) return;
+        if (info.state == JobState::Failed)
+            m_workspace.say(MessageKind::Error, toQString(info.error), {}, target);
+        else if (outcome.changed == 0)
+            m_workspace.say(MessageKind::Info,
+                            tr("%1: no point lies far away from all the others.").arg(target->name()), {}, target);
+        else
+            m_workspace.say(MessageKind::Info,
+                            outcome.changed == 1
+                                ? tr("%1: one point far away was deleted. Undo brings it back.").arg(target->name())
+                                : tr("%1: %2 far away were deleted. Undo brings them back.")
+                                      .arg(target->name(), pointsText(outcome.changed)),
+                            {}, target);
+        if (info.state == JobState::Finished) fitShown({target});
+    };
+    m_workspace.edit(*active, tr("Remove strays"), {"strays", {}, nullptr}, ended);
+}
+
 bool Framing::showsAnything() const
 {
     const QSize size = m_viewport.pictureSize();
@@ -205,9 +229,11 @@ void Framing::documentLoaded(Document* document)
                  m_workspace.say(
                      MessageKind::Info,
                      extent.strays == 1
-                         ? tr("%1: one point lies far away from all the others, outside the view. F shows it, too.")
+                         ? tr("%1: one point lies far away from all the others, outside the view. F shows it, too; "
+                              "Process > Remove Strays deletes it.")
                                .arg(target->name())
-                         : tr("%1: %2 lie far away from all the others, outside the view. F shows them, too.")
+                         : tr("%1: %2 lie far away from all the others, outside the view. F shows them, too; "
+                              "Process > Remove Strays deletes them.")
                                .arg(target->name(), pointsText(extent.strays)));
          });
 }

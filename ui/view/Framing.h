@@ -38,6 +38,9 @@ public:
     void fitAll();
     /// The same of the active document.
     void fitActive();
+    /// Deletes the strays of the active document, by a job, as a step that can be undone; the view is fitted to
+    /// what is left of it.
+    void removeStrays();
     /// The document that is opened next leaves the view where it is: it goes on with one that is closed for it.
     void keepViewOnce() { m_keepOnce = true; }
 

@@ -263,6 +263,13 @@ QMenu& MainMenu::makeProcess()
                                       toQString(step->help()), [this, name] { emit stepChosen(name); });
         m_menus.needsDocument(action);
     }
+    menu->addSeparator();
+    QAction* strays =
+        m_menus.add(menu, tr("&Remove Strays"), {}, {},
+                    tr("Delete the points that are so far away that fitting the view leaves them out"),
+                    [this] { emit removeStraysWanted(); });
+    strays->setObjectName(QStringLiteral("removeStrays"));
+    m_menus.needsDocument(strays);
     menu->setToolTipsVisible(true);
     return *menu;
 }

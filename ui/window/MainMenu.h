@@ -70,6 +70,7 @@ signals:
     void quitWanted();
     void fitAllWanted();
     void fitActiveWanted();
+    void removeStraysWanted();
     /// The next (1) or previous (-1) attribute.
     void attributeStepped(int direction);
     void attributeChosen(const QString& name);

@@ -193,6 +193,7 @@ void MainWindow::addMenus()
     connect(m_menu, &MainMenu::quitWanted, this, &MainWindow::close);
     connect(m_menu, &MainMenu::fitAllWanted, m_framing, &Framing::fitAll);
     connect(m_menu, &MainMenu::fitActiveWanted, m_framing, &Framing::fitActive);
+    connect(m_menu, &MainMenu::removeStraysWanted, m_framing, &Framing::removeStrays);
     connect(m_menu, &MainMenu::attributeStepped, this, &MainWindow::stepAttribute);
     connect(m_menu, &MainMenu::attributeChosen, this, &MainWindow::showAttribute);
     connect(m_menu, &MainMenu::panelsToggled, m_panels, &Panels::toggle);
