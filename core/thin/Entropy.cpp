@@ -16,7 +16,7 @@ namespace
 
 using Vector = SurfacePiece::Vector;
 
-constexpr std::size_t kMostNeighbors = 32;  ///< of a merged point: nearer ones say all
+constexpr std::size_t kMostNeighbors = 6;  ///< the nearest ones, as many as a point of a surface has around it
 constexpr std::size_t kMergesPerLook = 256;
 
 /// The points of a piece while they are merged. A merged point stands where the point was that the others were
@@ -102,12 +102,13 @@ private:
         const Vector &p = m_piece.places[a], &q = m_piece.places[b];
         return (p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]);
     }
-    /// Equation 1.
+    /// Equation 1, with the higher level of the two: else a point that was never merged would take in, at little
+    /// cost, those that were merged often, and holes would grow.
     float entropy(std::uint32_t p) const
     {
         float sum = 0;
         for (const std::uint32_t q : m_near[p])
-            sum += float(1 + m_level[p]) / (2 - bend(m_normals[p], m_normals[q]));
+            sum += float(1 + std::max(m_level[p], m_level[q])) / (2 - bend(m_normals[p], m_normals[q]));
         return sum;
     }
     void push(std::uint32_t p) { m_queue.push({entropy(p), p, ++m_stamp[p]}); }
@@ -124,6 +125,7 @@ private:
             m_into[q] = p;
             around.insert(around.end(), m_near[q].begin(), m_near[q].end());
             addNormal(p, q);
+            m_level[p] = std::max(m_level[p], m_level[q]);
             ++merged;
             if (q >= m_piece.own) continue;
             most = std::max(entropyOf, std::nextafter(most, std::numeric_limits<float>::max()));
@@ -136,8 +138,12 @@ private:
         near.insert(near.end(), around.begin(), around.end());
         clean(p);
         push(p);
-        const std::vector<std::uint32_t> others = near;  // their entropy is another one, too
-        for (const std::uint32_t q : others) {
+        // Whoever had one of the merged for a neighbor has another entropy now.
+        for (std::uint32_t& q : around) q = find(q);
+        std::sort(around.begin(), around.end());
+        around.erase(std::unique(around.begin(), around.end()), around.end());
+        for (const std::uint32_t q : around) {
+            if (q == p) continue;
             m_near[q].push_back(p);
             clean(q);
             push(q);

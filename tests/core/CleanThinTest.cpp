@@ -228,8 +228,8 @@ void CleanThinTest::gridKeepsTheRightPoint()
     for (const auto& [cell, points] : cells) {
         const World at = cell;
         const auto fromMiddle = [&](PointIndex i) {
-            const glm::dvec3 d =
-                cloud->world(i) - (glm::dvec3(double(at[0]), double(at[1]), double(at[2])) + 0.5) * 2.0;
+            glm::dvec3 d = cloud->world(i);
+            for (int axis = 0; axis < 3; ++axis) d[axis] -= (double(at[std::size_t(axis)]) + 0.5) * 2.0;
             return d.x * d.x + d.y * d.y + d.z * d.z;
         };
         PointIndex low = points[0], high = points[0], near = points[0], keptNear = points[0];
@@ -275,7 +275,7 @@ void CleanThinTest::numberIsExact()
     const auto cloud = makeHard(kind.toStdString(), 6'000);
     for (const char* method : {"thin method=number", "thin-to method=normal-deviation", "thin-to method=entropy",
                                "thin-to method=k-clustering"})
-        for (const PointIndex count : {0, 1, 2, 17, 1000, 2999, 5999, 6000, 7000}) {
+        for (const PointIndex count : {0, 1, 17, 2999, 6000, 7000}) {
             const PointSet kept = keptBy(*cloud, std::string(method) + " count=" + std::to_string(count));
             QVERIFY2(kept.count() == std::min<PointIndex>(count, 6000),
                      qPrintable(QString("%1 %2: %3").arg(method).arg(count).arg(kept.count())));
@@ -338,7 +338,7 @@ void CleanThinTest::whatIsNotKeptIsMarked()
         QVERIFY(run(*copy, std::string("thin cell=0.1 keep=first do=") + how) == nullptr);
     }
     const auto command = run(*cloud, "thin cell=0.1 keep=first do=attribute");
-    QCOMPARE(QString::fromStdString(command->finding()).section(';', 0, 0), QString("Kept 10 of 100 points"));
+    QCOMPARE(QString::fromStdString(command->finding()), QString("Kept 10 of 100 points."));
     command->apply(*cloud);
     const Attribute& kept = *cloud->findAttribute("Kept");
     QCOMPARE(kept.type(), ScalarType::U8);
@@ -389,13 +389,13 @@ void CleanThinTest::lowAndHighPointsAreFound()
         for (PointIndex i = 0; i < n; ++i) {
             rawAxis(*cloud, 0)[i] = std::int32_t(i % 200 * 500);
             rawAxis(*cloud, 1)[i] = std::int32_t(i / 200 * 500);
-            rawAxis(*cloud, 2)[i] = std::int32_t(i % 200 * 200 + (i * 7919) % 100);
+            rawAxis(*cloud, 2)[i] = std::int32_t(i % 200 * 20 + (i * 7919) % 100);
         }
-        const std::int32_t extra[5][3] = {{50'000, 50'000, 17'000},
-                                          {50'100, 50'050, 17'010},
-                                          {49'900, 50'000, 17'900},
+        const std::int32_t extra[5][3] = {{50'000, 50'000, -1000},
+                                          {50'100, 50'050, -990},
+                                          {49'900, 50'000, -100},
                                           {30'000, 30'000, 90'000},
-                                          {20'000, 20'100, 7'800}};
+                                          {20'000, 20'100, 300}};
         for (PointIndex k = 0; k < 5; ++k)
             for (std::size_t axis = 0; axis < 3; ++axis) rawAxis(*cloud, axis)[n + k] = extra[k][axis];
         const auto command = run(*cloud, "low step=2 depth=1 high=yes height=10");
@@ -553,8 +553,10 @@ void CleanThinTest::threadsDoNotMatter()
 void CleanThinTest::cancelIsAnsweredSoon()
 {
     QFETCH(QString, step);
-    Progress making;
-    const auto cloud = makeSample(400'000, 1, making);
+    static const auto cloud = [] {
+        Progress making;
+        return makeSample(400'000, 1, making);
+    }();
     for (const int wait : {0, 30, 120}) {
         Progress progress;
         std::chrono::steady_clock::time_point asked;
@@ -583,17 +585,22 @@ void CleanThinTest::undoBringsAllBack()
 {
     QFETCH(QString, step);
     const auto cloud = makeHard("strays", 20'000);
-    const auto before = snapshot(*cloud);
+    // No deleted points are as good as an empty set of them.
+    const auto state = [&] {
+        if (cloud->deleted() && cloud->deleted()->count() == 0) cloud->setDeleted(nullptr);
+        return snapshot(*cloud);
+    };
+    const auto before = state();
     History history(cloud);
     auto command = run(*cloud, step.toStdString());
     if (!command) return;
     history.push(std::move(command));
-    const auto after = snapshot(*cloud);
+    const auto after = state();
     QVERIFY(after != before);
     history.undo();
-    QVERIFY(snapshot(*cloud) == before);
+    QVERIFY(state() == before);
     history.redo();
-    QVERIFY(snapshot(*cloud) == after);
+    QVERIFY(state() == after);
 }
 
 void CleanThinTest::badValuesAreRefused()

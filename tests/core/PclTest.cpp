@@ -123,7 +123,8 @@ void PclTest::cellsAreThoseOfPcl()
     const auto cloud = load(file);
     if (!cloud) QSKIP(qPrintable(file + " is not there"));
     const double cell = file.startsWith("lone") ? 0.05 : 0.7;
-    const glm::dvec3 origin = glm::floor(cloud->world(0) / cell) * cell;
+    glm::dvec3 origin = cloud->world(0) / cell;
+    for (int axis = 0; axis < 3; ++axis) origin[axis] = std::floor(origin[axis]) * cell;
     Points::Ptr points(new Points);
     for (PointIndex i = 0; i < cloud->size(); ++i) {
         const glm::dvec3 p = cloud->world(i) - origin;
