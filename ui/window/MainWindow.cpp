@@ -18,7 +18,6 @@
 #include "ui/document/Recovery.h"
 #include "ui/document/Workspace.h"
 #include "ui/maps/Maps.h"
-#include "ui/maps/Maps.h"
 #include "ui/measure/MeasureDock.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
