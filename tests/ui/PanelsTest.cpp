@@ -10,7 +10,7 @@
 #include "ui/docks/AttributesDock.h"
 #include "ui/docks/ClassesDock.h"
 #include "ui/docks/ClassesModel.h"
-#include "ui/docks/ProcessingDock.h"
+#include "ui/process/ProcessingDock.h"
 #include "ui/select/EditDock.h"
 
 #include <QAbstractItemView>

@@ -5,8 +5,8 @@
 #include "UiTest.h"
 
 #include "core/steps/Steps.h"
-#include "ui/docks/ProcessingDock.h"
 #include "ui/document/Workspace.h"
+#include "ui/process/ProcessingDock.h"
 #include "ui/select/EditDock.h"
 #include "ui/select/RuleField.h"
 #include "ui/view/Viewport.h"

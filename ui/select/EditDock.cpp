@@ -354,8 +354,11 @@ void EditDock::run(const Recipe& recipe, const QString& title, bool typed)
                 typed ? sayWrong(toQString(info.error)) : refuse(MessageKind::Error, toQString(info.error));
             if (info.state == JobState::Cancelled) say(tr("Cancelled, nothing changed."));
             if (info.state == JobState::Finished)
-                say(outcome.changed == 0 ? tr("%1: no point had to change.").arg(title)
-                                         : tr("%1: %2 changed.").arg(title, pointsText(outcome.changed)));
+                say(outcome.changed == 0
+                        ? tr("%1: no point had to change.").arg(title)
+                        : tr("%1: %2 changed.").arg(title, pointsText(outcome.changed)) +
+                              (outcome.finding.empty() ? QString()
+                                                       : QLatin1Char(' ') + toQString(outcome.finding)));
         });
     takeState();
 }

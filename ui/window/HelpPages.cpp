@@ -65,6 +65,7 @@ std::vector<KeyGroup> handGroups()
           {QObject::tr("Wheel"), QObject::tr("Zoom to what is under the cursor")},
           {QObject::tr("Double-click or middle click"), QObject::tr("Make this point the pivot")},
           {QObject::tr("Click an end of the axes"), QObject::tr("Look from there; the middle: perspective or not")},
+          {QObject::tr("Hold C"), QObject::tr("The points without the preview, or before the last edit")},
           {QObject::tr("Drop an attribute"), QObject::tr("Color the points by it")},
           {QObject::tr("Drop files or folders"), QObject::tr("Open them, anywhere on the window")}}},
         {QObject::tr("While a tool is on"),

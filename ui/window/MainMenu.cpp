@@ -257,9 +257,17 @@ void MainMenu::chooseBackground()
 QMenu& MainMenu::makeProcess()
 {
     QMenu* menu = &m_menus.addMenu(tr("&Process"));
+    QMenu* group = nullptr;
+    const StepDescription* before = nullptr;
     for (const Step* step : allSteps()) {
+        const StepDescription& about = step->description();
+        if (before == nullptr || before->group != about.group) {
+            group = menu->addMenu(toQString(nameOf(about.group)));
+            group->setToolTipsVisible(true);
+        }
+        before = &about;
         const QString name = toQString(step->name());
-        QAction* action = m_menus.add(menu, toQString(step->title()) + QStringLiteral("..."), {}, {},
+        QAction* action = m_menus.add(group, toQString(step->title()) + QStringLiteral("..."), {}, {},
                                       toQString(step->help()), [this, name] { emit stepChosen(name); });
         m_menus.needsDocument(action);
     }

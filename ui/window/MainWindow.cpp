@@ -11,7 +11,6 @@
 #include "ui/docks/HistoryDock.h"
 #include "ui/docks/JobsDock.h"
 #include "ui/docks/JobsModel.h"
-#include "ui/docks/ProcessingDock.h"
 #include "ui/docks/PropertiesDock.h"
 #include "ui/docks/VisibilityDock.h"
 #include "ui/document/FileDoctor.h"
@@ -23,6 +22,7 @@
 #include "ui/measure/Measurements.h"
 #include "ui/menu/Menus.h"
 #include "ui/navigate/Places.h"
+#include "ui/process/ProcessingDock.h"
 #include "ui/screenshot/Screenshots.h"
 #include "ui/section/SectionTool.h"
 #include "ui/section/Sections.h"
@@ -153,7 +153,7 @@ void MainWindow::addDocks()
     m_attributes = new AttributesDock(*m_workspace, *m_view, this);
     m_classes = new ClassesDock(*m_view, this);
     connect(m_classes, &ClassesDock::selectWanted, m_selection, &Selection::selectClass);
-    m_processing = new ProcessingDock(*m_workspace, this);
+    m_processing = new ProcessingDock(*m_workspace, *m_renderer, *m_view, *m_selection, *m_filter, this);
     m_edit = new EditDock(*m_workspace, *m_selection, *m_renderer, *m_view, this);
     m_history = new HistoryDock(*m_workspace, this);
     m_files = new FilesDock(*m_workspace, this);
