@@ -49,6 +49,7 @@ constexpr int kPreviewDelay = 350;  ///< ms after the last change of a value
 
 constexpr int kMostResult = 92;              ///< px of what is said, before it scrolls
 constexpr int kSides = 20, kScrollBar = 10;  ///< px
+constexpr int kLeastPanel = 290;             ///< px, so that what is said is in sight
 constexpr int kLeastHeight = 150;            ///< px of the list, and of a step's fields
 
 /// The attribute that a rule sets; empty for a text that is no rule, which the step will say.
@@ -134,6 +135,7 @@ ProcessingDock::ProcessingDock(Workspace& workspace, ViewRenderer& renderer, Vie
     column->addWidget(m_chain);
     QScrollArea* const all = scrollColumn(content);  // a small window is not made larger by what is in here
     all->setFocusPolicy(Qt::NoFocus);
+    all->setMinimumHeight(kLeastPanel);
     setWidget(all);
     setMinimumWidth(kLeastPanelWidth);
     m_pages->setMinimumHeight(kLeastHeight);
