@@ -3,6 +3,10 @@
 
 #include "core/Error.h"
 #include "core/Text.h"
+#include "core/above/Buildings.h"
+#include "core/above/Height.h"
+#include "core/above/Trees.h"
+#include "core/above/Vegetation.h"
 #include "core/clean/Duplicates.h"
 #include "core/clean/Isolated.h"
 #include "core/clean/LowPoints.h"
@@ -35,6 +39,10 @@ std::vector<const Step*> makeSteps()
     static const DuplicatesStep duplicates;
     static const ThinStep thin;
     static const ThinToStep thinTo;
+    static const HeightStep height;
+    static const BuildingsStep buildings;
+    static const VegetationStep vegetation;
+    static const TreesStep trees;
     static const NormalsStep normals;
     static const ReclassifyStep reclassify;
     static const SetByRuleStep setByRule;
@@ -43,12 +51,14 @@ std::vector<const Step*> makeSteps()
     static const RenameStep rename;
     static const RemoveStep remove;
     std::vector<const Step*> steps{
-        &outliers,   &isolated,  &low, &strays, &duplicates,  // cleaning
-        &thin,       &thinTo,                                 // thinning
-        &normals,                                             // shape
-        &reclassify, &setByRule,                              // classes
-        &deleteStep, &restore,                                // points
-        &rename,     &remove,                                 // attributes
+        &outliers,   &isolated,   &low,   &strays, &duplicates,  // cleaning
+        &thin,       &thinTo,                                    // thinning
+        &height,                                                 // ground
+        &buildings,  &vegetation, &trees,                        // objects
+        &normals,                                                // shape
+        &reclassify, &setByRule,                                 // classes
+        &deleteStep, &restore,                                   // points
+        &rename,     &remove,                                    // attributes
     };
     const auto before = [](const Step* a, const Step* b) {
         return a->description().group < b->description().group;

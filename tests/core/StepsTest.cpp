@@ -462,7 +462,8 @@ void StepsTest::changesOnlyWithin()
                     std::memset(a.columns[c]->data(), 0x3F, a.columns[c]->size() * a.columns[c]->elementBytes());
         for (const Attribute& a : cloud->attributes())
             if (a.name == "Classification")
-                for (PointIndex i = 0; i < cloud->size(); ++i) a.columns[0]->values<std::uint8_t>()[i] = 1;
+                for (std::uint8_t& code : a.columns[0]->values<std::uint8_t>())
+                    if (code != 2) code = 1;  // some steps need the ground
     }
     PointSet outside = within;
     outside.invert();

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include "core/above/GroundHeights.h"
+
+#include "core/Error.h"
+#include "core/above/PointClasses.h"
+#include "core/above/TriangulatedGround.h"
+#include "core/cloud/Slabs.h"
+#include "core/cloud/Units.h"
+#include "core/task/Progress.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <shared_mutex>
+
+namespace punctum
+{
+
+namespace
+{
+
+constexpr std::size_t kHeightPiece = 4096;  ///< points between two looks at the cancel flag
+
+/// "2, 9 and 10"
+std::string classList(const ClassSet& classes)
+{
+    std::string text;
+    for (unsigned code = 0; code < 256; ++code)
+        if (classes[code]) text += (text.empty() ? "" : ", ") + std::to_string(code);
+    return text;
+}
+
+/// The height of the ground at a place by its nearest points, in raw steps.
+double heightByNearest(const std::vector<GroundTree::Near>& near)
+{
+    double weights = 0, sum = 0;
+    // Where points of the ground are in the place itself, they alone count.
+    const bool at = near.front().squared == 0;
+    for (const GroundTree::Near& n : near) {
+        if (at && n.squared > 0) break;
+        const double weight = at ? 1.0 : 1.0 / std::sqrt(n.squared);
+        weights += weight;
+        sum += weight * double(n.place.z);
+    }
+    return sum / weights;
+}
+
+/// Calls each(point) for the points that are asked for, in parallel.
+template <typename Each>
+void forAsked(const PointCloud& cloud, const PointSet* within, Progress& progress, Each&& each)
+{
+    const auto deleted = deletedPoints(cloud);
+    tbb::parallel_for(tbb::blocked_range<PointIndex>(0, cloud.size(), kHeightPiece), [&](const auto& range) {
+        for (PointIndex first = range.begin(); first < range.end() && !progress.cancelled();
+             first += kHeightPiece) {
+            const PointIndex last = std::min(range.end(), first + kHeightPiece);
+            for (PointIndex i = first; i < last; ++i) {
+                if (deleted && deleted->contains(i)) continue;
+                if (within != nullptr && !within->contains(i)) continue;
+                each(i);
+            }
+            progress.add(last - first);
+        }
+    });
+    progress.check();
+}
+
+/// The attribute's values, where every point that is not deleted has one.
+std::vector<float> keptHeights(const PointCloud& cloud, Progress& progress)
+{
+    Attribute kept;
+    {
+        const std::shared_lock lock(cloud.mutex());
+        const Attribute* const found = cloud.findAttribute(kHeightName);
+        if (found == nullptr || found->components != 1 || found->columns[0]->components() != 1) return {};
+        kept = *found;
+    }
+    const auto deleted = deletedPoints(cloud);
+    std::vector<float> heights(cloud.size());
+    std::atomic<bool> whole = true;
+    progress.begin("Reading heights", cloud.size());
+    forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
+        const PointRange range{PointIndex(firstWord) * 64, std::min(cloud.size(), PointIndex(lastWord) * 64)};
+        std::vector<double> values(range.size());
+        kept.read(range, values.data());
+        for (PointIndex i = range.first; i < range.last; ++i) {
+            heights[i] = float(values[i - range.first]);
+            if (std::isnan(heights[i]) && !(deleted && deleted->contains(i))) whole = false;
+        }
+    });
+    if (!whole) heights.clear();
+    return heights;
+}
+
+}  // namespace
+
+GroundTree groundOf(const PointCloud& cloud, const ClassSet& classes, const std::string& name, Progress& progress)
+{
+    const PointSet ground = pointsOfClasses(cloud, classes, progress);
+    if (ground.count() == 0)
+        throw Error(name + " needs the ground, and no point has class " + classList(classes) +
+                    "; run the step ground first, or name the classes of the ground.");
+    const TrueLengths lengths = trueLengths(cloud);
+    std::array<double, 3> scale{};
+    for (int a = 0; a < 3; ++a)
+        scale[std::size_t(a)] = std::fabs(cloud.coordinates().scale[a]) * lengths.stretch[a];
+    return GroundTree(cloud, ground, scale, progress);
+}
+
+void measureHeights(const PointCloud& cloud, const GroundTree& ground, GroundSurface surface, std::size_t k,
+                    const PointSet* within, Progress& progress, const HeightVisitor& visit)
+{
+    if (surface == GroundSurface::Triangulated) {
+        measureTriangulated(cloud, ground, within, progress, visit);
+        return;
+    }
+    const auto x = cloud.rawX(), y = cloud.rawY(), z = cloud.rawZ();
+    progress.begin("Measuring heights", cloud.size());
+    forAsked(cloud, within, progress, [&](PointIndex i) {
+        thread_local std::vector<GroundTree::Near> near;
+        ground.nearest(x[i], y[i], k, near);
+        visit(i, (double(z[i]) - heightByNearest(near)) * ground.scale()[2]);
+    });
+}
+
+std::vector<float> heightsAboveGround(const PointCloud& cloud, const ClassSet& ground, const std::string& name,
+                                      Progress& progress)
+{
+    std::vector<float> heights = keptHeights(cloud, progress);
+    if (!heights.empty()) return heights;
+    const GroundTree tree = groundOf(cloud, ground, name, progress);
+    heights.assign(cloud.size(), std::numeric_limits<float>::quiet_NaN());
+    measureHeights(cloud, tree, GroundSurface::Triangulated, kGroundNeighbors, nullptr, progress,
+                   [&](PointIndex i, double height) { heights[i] = float(height); });
+    return heights;
+}
+
+}  // namespace punctum

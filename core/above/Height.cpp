@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "core/above/Height.h"
+
+#include "core/above/GroundHeights.h"
+#include "core/cloud/Units.h"
+#include "core/process/FilledAttribute.h"
+#include "core/task/Progress.h"
+
+#include <limits>
+
+namespace punctum
+{
+
+const StepDescription& HeightStep::description() const
+{
+    using Type = StepParameter::Type;
+    static const StepDescription about{
+        .name = "height",
+        .title = "Height above ground",
+        .group = StepGroup::Ground,
+        .help =
+            "Measures how high each point is above the ground below it, and keeps it as HeightAboveGround. "
+            "Outside the ground's rim the nearest point of the ground counts.",
+        .source = "Delaunay 1934; Shepard 1968",
+        .parameters = {{.key = "method",
+                        .label = "Ground between its points",
+                        .help = "Flat triangles between all points (Delaunay), or the mean of the nearest points.",
+                        .type = Type::Choice,
+                        .preset = "triangulated",
+                        .choices = {"triangulated", "nearest"}},
+                       {.key = "neighbors",
+                        .label = "Nearest points",
+                        .help = "How many points of the ground the method nearest takes the mean of.",
+                        .type = Type::Integer,
+                        .preset = std::to_string(kGroundNeighbors),
+                        .min = 1,
+                        .max = 100,
+                        .advanced = true},
+                       {.key = "ground",
+                        .label = "Ground",
+                        .help = "The classes that are ground.",
+                        .type = Type::ClassCodes,
+                        .preset = "2",
+                        .advanced = true}},
+        .shows = kHeightName};
+    return about;
+}
+
+std::unique_ptr<Command> HeightStep::make(const PointCloud& cloud, const StepValues& values, const PointSet* within,
+                                          Progress& progress) const
+{
+    if (cloud.size() == 0) return nullptr;
+    FilledAttribute heights(cloud, {.name = kHeightName,
+                                    .description = "height above the ground",
+                                    .unit = trueLengths(cloud).unit,
+                                    .unset = std::numeric_limits<double>::quiet_NaN()});
+    const GroundTree ground = groundOf(cloud, classesValue(values, "ground"), "height", progress);
+    const bool nearest = textValue(values, "method") == "nearest";
+    measureHeights(cloud, ground, nearest ? GroundSurface::Nearest : GroundSurface::Triangulated,
+                   std::size_t(*integerValue(values, "neighbors")), within, progress,
+                   [&](PointIndex i, double height) { heights.set(i, height); });
+    return std::make_unique<AttributesCommand>("Height above ground", std::vector{heights.attribute()});
+}
+
+}  // namespace punctum
