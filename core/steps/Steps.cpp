@@ -12,6 +12,7 @@
 #include "core/clean/LowPoints.h"
 #include "core/clean/Outliers.h"
 #include "core/clean/Strays.h"
+#include "core/ground/Ground.h"
 #include "core/process/AttributeList.h"
 #include "core/process/Delete.h"
 #include "core/process/Reclassify.h"
@@ -39,6 +40,7 @@ std::vector<const Step*> makeSteps()
     static const DuplicatesStep duplicates;
     static const ThinStep thin;
     static const ThinToStep thinTo;
+    static const GroundStep ground;
     static const HeightStep height;
     static const BuildingsStep buildings;
     static const VegetationStep vegetation;
@@ -53,7 +55,7 @@ std::vector<const Step*> makeSteps()
     std::vector<const Step*> steps{
         &outliers,   &isolated,   &low,   &strays, &duplicates,  // cleaning
         &thin,       &thinTo,                                    // thinning
-        &height,                                                 // ground
+        &ground,     &height,                                    // ground
         &buildings,  &vegetation, &trees,                        // objects
         &normals,                                                // shape
         &reclassify, &setByRule,                                 // classes

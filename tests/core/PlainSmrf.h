@@ -11,9 +11,9 @@
 namespace punctum
 {
 
-/// The simple morphological filter as its paper has it, to compare with: Pingel, Clarke, McBride, An improved simple
-/// morphological filter for the terrain classification of airborne LIDAR data (2013). No net over large roofs, since
-/// its one set of parameters has none. Plain loops in one thread.
+/// The simple morphological filter as its paper has it, to compare with: Pingel, Clarke, McBride, An improved
+/// simple morphological filter for the terrain classification of airborne LIDAR data (2013). No net over large
+/// roofs, since its one set of parameters has none. Plain loops in one thread.
 namespace plain_smrf
 {
 
@@ -150,7 +150,8 @@ inline std::vector<char> classify(const std::vector<double>& x, const std::vecto
     const auto between = [&](const Grid& grid, double px, double py) {
         const double u = std::clamp((px - left) / s.cell - 0.5, 0.0, double(grid.width - 1));
         const double v = std::clamp((py - bottom) / s.cell - 0.5, 0.0, double(grid.height - 1));
-        const int a = std::min(int(u), std::max(0, grid.width - 2)), b = std::min(int(v), std::max(0, grid.height - 2));
+        const int a = std::min(int(u), std::max(0, grid.width - 2)),
+                  b = std::min(int(v), std::max(0, grid.height - 2));
         const int c = std::min(a + 1, grid.width - 1), d = std::min(b + 1, grid.height - 1);
         const double fu = u - a, fv = v - b;
         return (1 - fv) * ((1 - fu) * double(grid.at(a, b)) + fu * double(grid.at(c, b))) +

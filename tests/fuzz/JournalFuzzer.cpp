@@ -141,7 +141,7 @@ Claim claimOf(const JournalEntry& entry, const State& before)
     Names& names = claim.attributes;
     if (recipe.step == "normals") {
         names = {{"NormalX", true}, {"NormalY", true}, {"NormalZ", true}, {"Normal", true}};
-    } else if (recipe.step == "outliers" || recipe.step == "reclassify") {
+    } else if (recipe.step == "outliers" || recipe.step == "ground" || recipe.step == "reclassify") {
         names = {{"Classification", false}};
     } else if (recipe.step == "set") {
         names = {{expression::Rule(valueOf(recipe, "rule")).target(), !valueOf(recipe, "new").empty()}};
