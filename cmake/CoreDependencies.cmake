@@ -11,9 +11,6 @@ endif()
 pkg_check_modules(PROJ REQUIRED IMPORTED_TARGET proj)
 pkg_check_modules(TIFF REQUIRED IMPORTED_TARGET libtiff-4)
 pkg_check_modules(ZLIB REQUIRED IMPORTED_TARGET zlib)
-# PCL's own modules set FLANN_ROOT, which later versions of CMake warn of.
-set(CMAKE_POLICY_DEFAULT_CMP0144 NEW)
-find_package(PCL 1.13 REQUIRED COMPONENTS common kdtree search)
 
 # LASzip: the library and its C header, nothing of its header struct (see docs/dev/las.md).
 find_path(LASZIP_INCLUDE_DIR laszip/laszip_api.h REQUIRED)

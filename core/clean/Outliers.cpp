@@ -113,16 +113,13 @@ std::unique_ptr<Command> OutliersStep::make(const PointCloud& cloud, const StepV
     const double threshold = mean + *realValue(values, "deviations") * std::sqrt(std::max(0.0, variance));
 
     auto points = std::make_shared<PointSet>(cloud.size());
-    const std::uint8_t* const byte = classes.columns[0]->values<std::uint8_t>().data();
-    const auto mask = std::uint8_t(classes.maxBits() << classes.bitShift);
-    const auto bits = std::uint8_t(code << classes.bitShift);
-    const bool beyond = code > classes.maxBits();  // the field cannot hold it: no point has it yet
-    progress.begin("Telling outliers", cloud.size());
+    progress.begin("Telling outliers", 2 * cloud.size());
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
         const std::size_t last = std::min(distances.size(), lastWord * 64);
         for (std::size_t i = firstWord * 64; i < last; ++i)
-            if (double(distances[i]) > threshold && (beyond || (byte[i] & mask) != bits)) points->insert(i);
+            if (double(distances[i]) > threshold) points->insert(i);
     });
+    leaveOutClass(*points, cloud, classes, code, progress);
     if (within != nullptr) points->intersect(*within);
     return makeClassCommand("Outliers to " + classLabel(code), classes, std::move(points), code);
 }

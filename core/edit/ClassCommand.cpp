@@ -2,6 +2,7 @@
 #include "core/edit/ClassCommand.h"
 
 #include "core/Error.h"
+#include "core/cloud/Slabs.h"
 #include "core/task/LockedLoop.h"
 
 #include <algorithm>
@@ -129,6 +130,20 @@ std::unique_ptr<Command> makeClassCommand(std::string name, const Attribute& cla
     if (classes.bitShift != 0)
         for (std::byte& code : codes) code <<= classes.bitShift;
     return std::make_unique<ValueCommand>(std::move(name), classes, std::move(points), std::move(codes));
+}
+
+void leaveOutClass(PointSet& points, const PointCloud& cloud, const Attribute& classes, std::uint32_t code,
+                   Progress& progress)
+{
+    if (code > classes.maxBits()) return;  // the field cannot hold it: no point has it yet
+    const std::uint8_t* const byte = classes.columns[0]->values<std::uint8_t>().data();
+    const auto mask = std::uint8_t(classes.maxBits() << classes.bitShift);
+    const auto bits = std::uint8_t(code << classes.bitShift);
+    forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
+        points.forEachInWords(firstWord, lastWord, [&](PointIndex i) {
+            if ((byte[i] & mask) == bits) points.remove(i);
+        });
+    });
 }
 
 }  // namespace punctum

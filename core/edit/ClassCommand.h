@@ -12,6 +12,8 @@
 namespace punctum
 {
 
+class Progress;
+
 /// What steps and tools that set classes share.
 
 /// The cloud's Classification. Takes cloud.mutex() shared. Throws Error when the cloud has no classes, or when
@@ -27,5 +29,10 @@ std::unique_ptr<Command> makeClassCommand(std::string name, const Attribute& cla
 /// The same for points of several classes: a code of each point, in rising index order.
 std::unique_ptr<Command> makeClassCommand(std::string name, const Attribute& classes,
                                           std::shared_ptr<const PointSet> points, std::vector<std::byte> codes);
+
+/// Takes the points out of the set that have the class already. Counts points in a stage of `progress` that the
+/// caller has begun. Throws Cancelled.
+void leaveOutClass(PointSet& points, const PointCloud& cloud, const Attribute& classes, std::uint32_t code,
+                   Progress& progress);
 
 }  // namespace punctum

@@ -2,6 +2,7 @@
 #include "core/las/PointFormat.h"
 
 #include "core/Error.h"
+#include "core/cloud/NormalParts.h"
 #include "core/las/ExtraBytes.h"
 #include "core/las/SourceFile.h"
 
@@ -242,7 +243,7 @@ void makeColumns(PointCloud& cloud, const RecordLayout& layout)
         cloud.addAttribute(std::move(a));
     }
     addComposite(cloud, "RGB", AttributeKind::Color, {"Red", "Green", "Blue"});
-    addComposite(cloud, "Normal", AttributeKind::Vector, {"NormalX", "NormalY", "NormalZ"});
+    addNormalVector(cloud);
 }
 
 }  // namespace punctum::las

@@ -4,7 +4,7 @@
 #include "core/cloud/BlockBoxes.h"
 #include "core/cloud/LinearSide.h"
 #include "core/cloud/Slabs.h"
-#include "core/neighbors/KdOrder.h"
+#include "core/neighbors/Neighbors.h"
 #include "core/task/Progress.h"
 
 #include <tbb/parallel_for.h>
@@ -180,15 +180,37 @@ void insertAtomically(PointSet& set, PointIndex i)
     std::atomic_ref(set.words()[i / 64]).fetch_or(std::uint64_t(1) << (i % 64), std::memory_order_relaxed);
 }
 
+/// Calls each(point, near) for every member, with the points within the distance, from worker threads. Few members
+/// search for themselves; many are searched for leaf by leaf.
+template <typename Each>
+void forNear(const PointSet& members, const KdOrder& order, double distance, const std::string& stage,
+             Progress& progress, Each each)
+{
+    constexpr PointIndex kManyPoints = 64;  // a member in so many
+    if (members.count() > members.size() / kManyPoints) {
+        const auto visit = [&](const Neighborhood& n) { each(n.point, n.points); };
+        forEachWithin(order, distance, stage, progress, visit, &members);
+        return;
+    }
+    progress.begin(stage, members.size());
+    forMembers(members, progress, [&](PointIndex i) {
+        thread_local std::vector<KdOrder::Found> found;
+        thread_local std::vector<std::uint32_t> near;
+        if (!order.within(std::uint32_t(i), distance, found, progress)) return;
+        near.clear();
+        for (const KdOrder::Found& f : found) near.push_back(f.point);
+        each(std::uint32_t(i), std::span<const std::uint32_t>(near));
+    });
+}
+
 /// Members of `from` -> the points within the distance that are not in `known` yet, which they join.
-PointSet step(const PointSet& from, PointSet& known, const KdOrder& order, double distance, Progress& progress)
+PointSet step(const PointSet& from, PointSet& known, const KdOrder& order, double distance,
+              const std::string& stage, Progress& progress)
 {
     PointSet found(from.size());
-    forMembers(from, progress, [&](PointIndex i) {
-        thread_local std::vector<KdOrder::Found> near;
-        if (!order.within(std::uint32_t(i), distance, near, progress)) return;
-        for (const KdOrder::Found& f : near)
-            if (!known.contains(f.point)) insertAtomically(found, f.point);
+    forNear(from, order, distance, stage, progress, [&](std::uint32_t, std::span<const std::uint32_t> near) {
+        for (const std::uint32_t p : near)
+            if (!known.contains(p)) insertAtomically(found, p);
     });
     combine(known, found, SelectMode::Add);
     return found;
@@ -281,23 +303,19 @@ PointIndex countWithout(const PointSet& a, const PointSet& b)
 
 PointSet grown(const PointSet& points, const KdOrder& order, double distance, Progress& progress)
 {
-    progress.begin("Growing the selection", points.size());
     PointSet all = points;
-    step(points, all, order, distance, progress);
+    step(points, all, order, distance, "Growing the selection", progress);
     return all;
 }
 
 PointSet shrunk(const PointSet& points, const KdOrder& order, double distance, Progress& progress)
 {
-    progress.begin("Shrinking the selection", points.size());
     PointSet edge(points.size());
-    forMembers(points, progress, [&](PointIndex i) {
-        thread_local std::vector<KdOrder::Found> near;
-        if (!order.within(std::uint32_t(i), distance, near, progress)) return;
-        if (std::any_of(near.begin(), near.end(),
-                        [&](const KdOrder::Found& f) { return !points.contains(f.point); }))
-            insertAtomically(edge, i);
-    });
+    forNear(points, order, distance, "Shrinking the selection", progress,
+            [&](std::uint32_t i, std::span<const std::uint32_t> near) {
+                if (std::any_of(near.begin(), near.end(), [&](std::uint32_t p) { return !points.contains(p); }))
+                    insertAtomically(edge, i);
+            });
     PointSet left = points;
     combine(left, edge, SelectMode::Subtract);
     return left;
@@ -306,10 +324,8 @@ PointSet shrunk(const PointSet& points, const KdOrder& order, double distance, P
 PointSet connected(const PointSet& points, const KdOrder& order, double distance, Progress& progress)
 {
     PointSet all = points, edge = points;
-    for (PointIndex found = 1; found != 0; found = edge.count()) {
-        progress.begin("Following connected points", points.size());
-        edge = step(edge, all, order, distance, progress);
-    }
+    for (PointIndex found = 1; found != 0; found = edge.count())
+        edge = step(edge, all, order, distance, "Following connected points", progress);
     return all;
 }
 

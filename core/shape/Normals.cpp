@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "core/shape/Normals.h"
 
+#include "core/Error.h"
 #include "core/neighbors/Neighbors.h"
 #include "core/process/FilledAttribute.h"
 #include "core/process/Values.h"
+#include "core/shape/NormalColumns.h"
+#include "core/shape/Orientation.h"
+#include "core/shape/Spread.h"
 #include "core/task/Progress.h"
 
-#include <pcl/features/normal_3d.h>
-#include <pcl/point_cloud.h>
-#include <pcl/point_types.h>
-
-#include <algorithm>
 #include <array>
-#include <cmath>
+#include <optional>
 
 namespace punctum
 {
@@ -20,52 +19,80 @@ namespace punctum
 namespace
 {
 
-constexpr std::array<const char*, 3> kNames = {"NormalX", "NormalY", "NormalZ"};
-
-/// The plane's normal, turned upward; zero when there is no plane.
-std::array<float, 3> normalOf(const Neighborhood& n)
+/// "x,y,z" in the coordinates of the file -> raw ones.
+std::optional<KdOrder::Place> viewpointOf(const PointCloud& cloud, std::string_view text)
 {
-    // PCL's versions differ in what they make of points that are all in one place.
-    const auto samePlace = [&](const auto& offset) { return offset == n.offsets[0]; };
-    if (n.offsets.size() < 3 || std::all_of(n.offsets.begin(), n.offsets.end(), samePlace)) return {0, 0, 0};
-    thread_local pcl::PointCloud<pcl::PointXYZ> patch;  // keeps its memory from point to point
-    patch.resize(n.offsets.size());
-    for (std::size_t k = 0; k < n.offsets.size(); ++k)
-        patch[k].getVector3fMap() = Eigen::Vector3f(n.offsets[k][0], n.offsets[k][1], n.offsets[k][2]);
-    Eigen::Vector4f plane;
-    float curvature = 0;
-    if (!pcl::computePointNormal(patch, plane, curvature)) return {0, 0, 0};
-    const float length = plane.head<3>().norm();
-    if (!std::isfinite(length) || length < 0.5f) return {0, 0, 0};
-    const float turn = (plane[2] < 0 ? -1.0f : 1.0f) / length;
-    return {plane[0] * turn, plane[1] * turn, plane[2] * turn + 0.0f};
+    if (text.empty()) return {};
+    KdOrder::Place place{};
+    for (int a = 0; a < 3; ++a) {
+        const std::size_t end = a < 2 ? text.find(',') : text.size();
+        const auto number = end == std::string_view::npos ? std::nullopt : parseNumber(text.substr(0, end));
+        if (!number) throw Error("normals: viewpoint must be three numbers such as 457000,5552000,120.");
+        text.remove_prefix(std::min(end + 1, text.size()));
+        const auto& grid = cloud.coordinates();
+        place[std::size_t(a)] = (toDouble(*number) - grid.offset[a]) / grid.scale[a];
+    }
+    return place;
+}
+
+/// Whether it looks away from the viewpoint.
+bool looksAway(const KdOrder& order, std::uint32_t point, const KdOrder::Place& viewpoint, const Spread::Vector& n)
+{
+    const KdOrder::Raw raw = order.raw(point);
+    double sum = 0;
+    for (std::size_t a = 0; a < 3; ++a) sum += (viewpoint[a] - double(raw[a])) * order.scale()[a] * n[a];
+    return sum < 0;
 }
 
 }  // namespace
 
 const StepDescription& NormalsStep::description() const
 {
+    using Type = StepParameter::Type;
     static const StepDescription about{
         .name = "normals",
         .title = "Normals",
         .group = StepGroup::Shape,
         .help =
-            "Fits a plane to the neighbors of each point (PCL, least squares) and keeps its normal, turned "
-            "upward, as NormalX, NormalY, NormalZ. Points without a plane get (0, 0, 0).",
-        .parameters = {{.key = "k",
-                        .label = "Neighbors",
-                        .help = "How many nearest points the plane is fitted to, the point itself among them.",
-                        .type = StepParameter::Type::Integer,
-                        .preset = "16",
-                        .min = 3,
-                        .max = 1000},
-                       {.key = "radius",
-                        .label = "Radius",
-                        .help = "Use all points within this distance instead of k nearest ones.",
-                        .min = 1e-9,
-                        .max = 1e9,
-                        .optional = true,
-                        .unit = StepParameter::Unit::Length}},
+            "Fits a plane to the neighbors of each point (least squares) and keeps its normal as NormalX, NormalY, "
+            "NormalZ, or in the normals that the file has. Points without a plane get (0, 0, 0).",
+        .source = "Hoppe et al. 1992",
+        .parameters =
+            {{.key = "k",
+              .label = "Neighbors",
+              .help = "How many nearest points the plane is fitted to, the point itself among them.",
+              .type = Type::Integer,
+              .preset = "16",
+              .min = 3,
+              .max = 1000},
+             {.key = "radius",
+              .label = "Radius",
+              .help = "Use all points within this distance instead of k nearest ones.",
+              .min = 1e-9,
+              .max = 1e9,
+              .optional = true,
+              .unit = StepParameter::Unit::Length},
+             {.key = "orientation",
+              .label = "Orientation",
+              .help = "up: none looks down. viewpoint: all look to a place, such as a scanner's. tree: "
+                      "neighbors agree (a spanning tree), also around walls and below roofs.",
+              .type = Type::Choice,
+              .preset = "up",
+              .choices = {"up", "viewpoint", "tree"}},
+             {.key = "viewpoint",
+              .label = "Viewpoint",
+              .help = "With orientation=viewpoint: where they look, x,y,z in the file's coordinates.",
+              .type = Type::Text,
+              .optional = true,
+              .advanced = true},
+             {.key = "curvature",
+              .label = "Curvature",
+              .help = "Also keeps how much the surface bends, as Curvature: the least spread of the neighbors "
+                      "as a share of the whole, 0 on planes, a third at most.",
+              .type = Type::Choice,
+              .preset = "no",
+              .advanced = true,
+              .choices = {"no", "yes"}}},
         .shows = "Normal"};
     return about;
 }
@@ -73,25 +100,34 @@ const StepDescription& NormalsStep::description() const
 std::unique_ptr<Command> NormalsStep::make(const PointCloud& cloud, const StepValues& values,
                                            const PointSet* within, Progress& progress) const
 {
+    const std::string orientation = textValue(values, "orientation");
+    const auto viewpoint = viewpointOf(cloud, textValue(values, "viewpoint"));
+    if (orientation == "viewpoint" && !viewpoint)
+        throw Error("normals: give the viewpoint as viewpoint=x,y,z, to which the normals turn.");
     if (cloud.size() == 0) return nullptr;
-    std::vector<FilledAttribute> filled;
-    for (const char* name : kNames)
-        filled.emplace_back(cloud, FilledAttribute::Description{name, "normal, upward"});
-    const auto visit = [&](const Neighborhood& n) {
-        if (within != nullptr && !within->contains(n.point)) return;
-        const auto normal = normalOf(n);
-        for (std::size_t c = 0; c < 3; ++c) filled[c].set(n.point, double(normal[c]));
-    };
+    NormalColumns normals(cloud);
+    std::optional<FilledAttribute> curvature;
+    if (textValue(values, "curvature") == "yes")
+        curvature.emplace(cloud, FilledAttribute::Description{"Curvature", "surface variation, 0 to 1/3"});
     const auto places = KdOrder::of(cloud, progress);
     const KdOrder& order = *places;
+    const bool up = orientation == "up", view = orientation == "viewpoint";
+    const auto visit = [&](const Neighborhood& n) {
+        const Spread spread = spreadOf(n.offsets);
+        Spread::Vector normal = spread.least;
+        if ((up && normal[2] < 0) || (view && looksAway(order, n.point, *viewpoint, normal)))
+            for (double& c : normal) c = -c;
+        // no negative zeros
+        normals.set(n.point, {float(normal[0]) + 0.0f, float(normal[1]) + 0.0f, float(normal[2]) + 0.0f});
+        if (curvature) curvature->set(n.point, spread.sum() > 0 ? spread.l3() / spread.sum() : 0.0);
+    };
     if (const auto radius = realValue(values, "radius"))
-        forEachWithin(order, *radius, "Fitting normals", progress, visit);
+        forEachWithin(order, *radius, "Fitting normals", progress, visit, within);
     else
-        forEachNearest(order, std::size_t(*integerValue(values, "k")), "Fitting normals", progress, visit);
-    std::vector<Attribute> attributes;
-    for (const FilledAttribute& f : filled) attributes.push_back(f.attribute());
-    if (attributes[0].type() == attributes[1].type() && attributes[0].type() == attributes[2].type())
-        attributes.push_back(composedOf("Normal", AttributeKind::Vector, filled[0], filled[1], filled[2]));
+        forEachNearest(order, std::size_t(*integerValue(values, "k")), "Fitting normals", progress, visit, within);
+    if (orientation == "tree") orientBySpanningTree(order, normals, cloud.size(), within, progress);
+    std::vector<Attribute> attributes = normals.attributes();
+    if (curvature) attributes.push_back(curvature->attribute());
     return std::make_unique<AttributesCommand>("Normals", std::move(attributes));
 }
 

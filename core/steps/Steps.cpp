@@ -11,12 +11,15 @@
 #include "core/clean/Isolated.h"
 #include "core/clean/LowPoints.h"
 #include "core/clean/Outliers.h"
+#include "core/clean/RadiusOutliers.h"
 #include "core/clean/Strays.h"
 #include "core/ground/Ground.h"
 #include "core/process/AttributeList.h"
 #include "core/process/Delete.h"
 #include "core/process/Reclassify.h"
 #include "core/process/SetByRule.h"
+#include "core/shape/Clusters.h"
+#include "core/shape/Features.h"
 #include "core/shape/Normals.h"
 #include "core/thin/Thin.h"
 #include "core/thin/ThinTo.h"
@@ -45,7 +48,11 @@ std::vector<const Step*> makeSteps()
     static const BuildingsStep buildings;
     static const VegetationStep vegetation;
     static const TreesStep trees;
+    static const RadiusOutliersStep radiusOutliers;
+    static const ClustersStep clusters;
     static const NormalsStep normals;
+    static const FeaturesStep features;
+    static const SplatRadiusStep splatRadius;
     static const ReclassifyStep reclassify;
     static const SetByRuleStep setByRule;
     static const DeleteStep deleteStep;
@@ -53,14 +60,14 @@ std::vector<const Step*> makeSteps()
     static const RenameStep rename;
     static const RemoveStep remove;
     std::vector<const Step*> steps{
-        &outliers,   &isolated,   &low,   &strays, &duplicates,  // cleaning
-        &thin,       &thinTo,                                    // thinning
-        &ground,     &height,                                    // ground
-        &buildings,  &vegetation, &trees,                        // objects
-        &normals,                                                // shape
-        &reclassify, &setByRule,                                 // classes
-        &deleteStep, &restore,                                   // points
-        &rename,     &remove,                                    // attributes
+        &outliers,   &radiusOutliers, &isolated,    &low,      &strays, &duplicates,  // cleaning
+        &thin,       &thinTo,                                                         // thinning
+        &ground,     &height,                                                         // ground
+        &buildings,  &vegetation,     &trees,       &clusters,                        // objects
+        &normals,    &features,       &splatRadius,                                   // shape
+        &reclassify, &setByRule,                                                      // classes
+        &deleteStep, &restore,                                                        // points
+        &rename,     &remove,                                                         // attributes
     };
     const auto before = [](const Step* a, const Step* b) {
         return a->description().group < b->description().group;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "core/Error.h"
+#include "core/cloud/NormalParts.h"
 #include "core/survey/Member.h"
 #include "core/survey/PackedFields.h"
 #include "core/survey/Survey.h"
@@ -153,7 +154,7 @@ void addAttributes(const PointCloud& survey, const las::RecordLayout& layout, co
         part.addAttribute(std::move(a));
     }
     addComposite(part, "RGB", AttributeKind::Color, {"Red", "Green", "Blue"});
-    addComposite(part, "Normal", AttributeKind::Vector, {"NormalX", "NormalY", "NormalZ"});
+    addNormalVector(part);
 }
 
 }  // namespace

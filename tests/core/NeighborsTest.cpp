@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Neighbors, normals and outliers against brute force over all pairs, on clouds that are hard on tiles.
+#include "core/neighbors/LeafScan.h"
 #include "core/neighbors/Neighbors.h"
 
 #include "core/Error.h"
@@ -69,6 +70,8 @@ Cloud makeTrouble(const std::string& kind, PointIndex n)
             place(*cloud, i, 5, 5, 5);
         } else if (kind == "line") {
             place(*cloud, i, double(i) * 10, 7, 7);
+        } else if (kind == "grid") {  // ties everywhere
+            place(*cloud, i, double(i % 100) * 250, double(i / 100 % 100) * 250, double(i / 10'000) * 250);
         } else if (kind == "corners") {  // the whole range of int32
             place(*cloud, i, random() % 2 != 0 ? INT32_MAX : INT32_MIN, random() % 2 != 0 ? INT32_MAX : INT32_MIN,
                   double(std::int32_t(random())));
@@ -124,6 +127,10 @@ private slots:
     void withinIsExact_data() { trouble(); }
     void withinIsExact();
     void orderOfSomePoints();
+    void neighborsAreExact_data() { trouble(); }
+    void neighborsAreExact();
+    void scansAreTheSame();
+    void orderIsSmallAndKept();
     void smallCloudsWork();
     void normalsStandOnPlanes_data();
     void normalsStandOnPlanes();
@@ -145,6 +152,7 @@ private:
     static void trouble()
     {
         QTest::addColumn<QString>("kind");
+        QTest::newRow("grid") << QString("grid");
         for (const char* kind : kTrouble) QTest::newRow(kind) << QString(kind);
     }
 };
@@ -276,6 +284,149 @@ void NeighborsTest::orderOfSomePoints()
         empty.nearest(KdOrder::Place{}, 3, found);
         QVERIFY(empty.size() == 0 && found.empty());
     }
+}
+
+/// Whom the neighbors are, ties included; and how many there are.
+void NeighborsTest::neighborsAreExact()
+{
+    QFETCH(QString, kind);
+    const auto cloud = makeTrouble(kind.toStdString(), kFast ? 20'000 : 5'000);
+    Progress progress;
+    const KdOrder order(*cloud, progress);
+    PointSet some(cloud->size());
+    for (PointIndex i = 0; i < cloud->size(); i += 199) some.insert(i);
+    std::mutex mutex;
+    std::map<std::uint32_t, std::vector<KdOrder::Found>> all;
+    some.forEach([&](PointIndex i) {
+        auto& found = all[std::uint32_t(i)];
+        for (PointIndex p = 0; p < cloud->size(); ++p)
+            found.push_back({order.squaredDistance(std::uint32_t(i), std::uint32_t(p)), std::uint32_t(p)});
+        std::sort(found.begin(), found.end());
+    });
+    bool good = true;
+    for (const std::size_t k : {1, 2, 8, 16, 31, 200}) {
+        std::size_t visits = 0;
+        forEachNearest(
+            order, k, "test", progress,
+            [&](const Neighborhood& n) {
+                const std::lock_guard lock(mutex);
+                ++visits;
+                const auto& expected = all.at(n.point);
+                good = good && n.points.size() == k;
+                for (std::size_t j = 0; j < k && good; ++j) good = n.points[j] == expected[j].point;
+            },
+            &some);
+        QVERIFY2(good, qPrintable(QString::number(k)));
+        QCOMPARE(visits, std::size_t(some.count()));
+    }
+    // Radii that are the distance of a neighbor, exactly: it counts.
+    for (const std::size_t rank : {3, 40}) {
+        const double radius = std::sqrt(all.at(0)[rank].squared);
+        if (radius == 0 && kind == "one place") continue;
+        const auto count = [&](std::uint32_t point) {
+            std::size_t n = 0;
+            for (const auto& f : all.at(point)) n += f.squared <= radius * radius;
+            return n;
+        };
+        forEachWithin(
+            order, radius, "test", progress,
+            [&](const Neighborhood& n) {
+                const std::lock_guard lock(mutex);
+                std::vector<std::uint32_t> points(n.points.begin(), n.points.end());
+                std::sort(points.begin(), points.end());
+                good = good && points.size() == count(n.point) &&
+                       std::adjacent_find(points.begin(), points.end()) == points.end();
+            },
+            &some);
+        QVERIFY2(good, qPrintable(QString::number(rank)));
+        for (const std::size_t enough : {2, 5, 1000}) {
+            forEachCount(
+                order, radius, enough, "test", progress,
+                [&](std::uint32_t point, std::size_t found) {
+                    const std::lock_guard lock(mutex);
+                    const std::size_t expected = count(point);
+                    good = good && (found == expected || (found >= enough && expected >= enough));
+                },
+                &some);
+            QVERIFY2(good, qPrintable(QString::number(enough)));
+        }
+    }
+}
+
+/// With and without AVX2, bit by bit.
+void NeighborsTest::scansAreTheSame()
+{
+    const LeafFunctions plain = leafFunctionsBaseline(), fast = leafFunctions();
+    std::mt19937_64 random(8);
+    for (int round = 0; round < 200; ++round) {
+        const std::size_t leaves = 1 + random() % 20;
+        std::vector<std::int32_t> axes[3], boxes((leaves + 7) / 8 * 48);
+        std::vector<std::uint32_t> firsts, counts;
+        const auto value = [&] { return std::int32_t(random() % 2'000'000) - 1'000'000; };
+        for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
+            firsts.push_back(std::uint32_t(axes[0].size()));
+            counts.push_back(std::uint32_t(random() % 40));
+            for (std::size_t a = 0; a < 3; ++a) {
+                const std::int32_t middle = value();
+                std::int32_t least = INT32_MAX, most = INT32_MIN;
+                for (std::uint32_t k = 0; k < (counts.back() + 7) / 8 * 8; ++k) {
+                    axes[a].push_back(middle + value() / 50);
+                    if (k >= counts.back()) continue;
+                    least = std::min(least, axes[a].back());
+                    most = std::max(most, axes[a].back());
+                }
+                if (counts.back() == 0) least = most = middle;
+                boxes[leaf / 8 * 48 + a * 8 + leaf % 8] = least;
+                boxes[leaf / 8 * 48 + (a + 3) * 8 + leaf % 8] = most;
+            }
+        }
+        LeafScan scan;
+        scan.boxes = boxes.data();
+        scan.firsts = firsts.data();
+        scan.counts = counts.data();
+        scan.leaves = leaves;
+        scan.x = axes[0].data();
+        scan.y = axes[1].data();
+        scan.z = axes[2].data();
+        scan.steps[1] = 0.7f;
+        scan.steps[2] = 0.3f;
+        for (std::int32_t& f : scan.from) f = value();
+        const float limit = float(random() % 1000) * 1e9f;
+        std::vector<float> squared[2];
+        std::vector<std::uint32_t> places[2];
+        std::size_t found[2], counted[2], looks[2];
+        for (const std::size_t which : {0, 1}) {
+            const LeafFunctions& f = which == 0 ? plain : fast;
+            squared[which].resize(axes[0].size() + 16);
+            places[which].resize(axes[0].size() + 16);
+            counted[which] = f.count(scan, limit * 0.9f, limit, SIZE_MAX, places[which].data(), &looks[which]);
+            found[which] = f.scan(scan, limit, squared[which].data(), places[which].data());
+            squared[which].resize(found[which]);
+            places[which].resize(found[which]);
+        }
+        QVERIFY(squared[0] == squared[1] && places[0] == places[1]);
+        QVERIFY(counted[0] == counted[1] && looks[0] == looks[1] && counted[0] + looks[0] == found[0]);
+        std::vector<std::uint32_t> ranks[2];
+        for (const std::size_t which : {0, 1}) {
+            ranks[which].resize(found[0] + 8);
+            squared[which].resize(found[0] + 8, INFINITY);
+            (which == 0 ? plain : fast).rank(squared[which].data(), found[0], ranks[which].data());
+            ranks[which].resize(found[0]);
+        }
+        QVERIFY(ranks[0] == ranks[1]);
+    }
+}
+
+void NeighborsTest::orderIsSmallAndKept()
+{
+    const auto cloud = makeTrouble("plane", 100'000);
+    Progress progress;
+    const auto order = KdOrder::of(*cloud, progress);
+    QVERIFY(order->bytes() < 9 * cloud->size());  // at most: the number of leaves is a power of two
+    cloud->columns()[3]->values<std::uint8_t>()[5] = 3;
+    QVERIFY(KdOrder::of(*cloud, progress) == order);  // values do not matter
+    KdOrder::drop(*cloud);
+    QVERIFY(KdOrder::of(*cloud, progress) != order);
 }
 
 void NeighborsTest::smallCloudsWork()

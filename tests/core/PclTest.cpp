@@ -7,11 +7,15 @@
 #include "tests/core/MadeCloud.h"
 
 #include <pcl/features/normal_3d.h>
+#include <pcl/filters/radius_outlier_removal.h>
 #include <pcl/filters/statistical_outlier_removal.h>
 #include <pcl/filters/voxel_grid.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/search/kdtree.h>
+#include <pcl/segmentation/extract_clusters.h>
+
+#include <Eigen/Eigenvalues>
 
 #include <QTest>
 
@@ -25,6 +29,8 @@ namespace
 {
 
 using Points = pcl::PointCloud<pcl::PointXYZ>;
+
+constexpr double kOneDegree = 0.99984769515639127;  ///< its cosine
 
 /// Coordinates from the middle of the cloud, as anyone would have to give them to PCL.
 Points::Ptr pointsOf(const PointCloud& cloud)
@@ -64,6 +70,12 @@ private slots:
     void outliersAreThoseOfPcl();
     void cellsAreThoseOfPcl_data() { files(); }
     void cellsAreThoseOfPcl();
+    void radiusOutliersAreThoseOfPcl_data() { files(); }
+    void radiusOutliersAreThoseOfPcl();
+    void clustersAreThoseOfPcl_data() { files(); }
+    void clustersAreThoseOfPcl();
+    void featuresAreThoseOfEigen_data() { files(); }
+    void featuresAreThoseOfEigen();
     void normalsAreThoseOfPcl_data() { files(); }
     void normalsAreThoseOfPcl();
     void normalsOfTheSample();
@@ -157,6 +169,113 @@ void PclTest::cellsAreThoseOfPcl()
     QVERIFY(double(extra) <= 0.0005 * other);
 }
 
+void PclTest::radiusOutliersAreThoseOfPcl()
+{
+    QFETCH(QString, file);
+    const auto cloud = load(file);
+    if (!cloud) QSKIP(qPrintable(file + " is not there"));
+    // No length between two points of a grid of millimeters or feet, so that floats do not decide.
+    const std::string radius = file.startsWith("tls") ? "0.0314159" : "1.5123457";
+    pcl::RadiusOutlierRemoval<pcl::PointXYZ> filter;
+    filter.setInputCloud(pointsOf(*cloud));
+    filter.setRadiusSearch(std::stod(radius));
+    filter.setMinNeighborsInRadius(4);
+    filter.setNegative(true);
+    pcl::Indices outliers;
+    filter.filter(outliers);
+    PointSet expected(cloud->size());
+    for (const auto i : outliers) expected.insert(PointIndex(i));
+    const Attribute classes = *cloud->findAttribute("Classification");
+    for (PointIndex i = 0; i < cloud->size(); ++i)
+        if (classes.number(i) == 7.0) expected.insert(i);
+    const auto command = run(*cloud, "radius-outliers neighbors=4 class=7 radius=" + radius);
+    if (command) command->apply(*cloud);
+    PointIndex differ = 0;
+    for (PointIndex i = 0; i < cloud->size(); ++i) differ += (classes.number(i) == 7.0) != expected.contains(i);
+    qInfo("%llu outliers of %llu points", qulonglong(expected.count()), qulonglong(cloud->size()));
+    QVERIFY(expected.count() > 10 && expected.count() < cloud->size());
+    QCOMPARE(differ, PointIndex(0));
+}
+
+void PclTest::clustersAreThoseOfPcl()
+{
+    QFETCH(QString, file);
+    const auto cloud = load(file);
+    if (!cloud) QSKIP(qPrintable(file + " is not there"));
+    const std::string tolerance = file.startsWith("tls") ? "0.0314159" : "1.5123457";
+    pcl::EuclideanClusterExtraction<pcl::PointXYZ> filter;
+    const auto points = pointsOf(*cloud);
+    const pcl::search::KdTree<pcl::PointXYZ>::Ptr tree(new pcl::search::KdTree<pcl::PointXYZ>);
+    tree->setInputCloud(points);
+    filter.setInputCloud(points);
+    filter.setSearchMethod(tree);
+    filter.setClusterTolerance(std::stod(tolerance));
+    filter.setMinClusterSize(10);
+    std::vector<pcl::PointIndices> expected;
+    filter.extract(expected);
+    run(*cloud, "clusters points=10 tolerance=" + tolerance)->apply(*cloud);
+    const auto ids = cloud->findAttribute("ClusterId")->columns[0]->values<std::uint32_t>();
+    std::vector<PointIndex> sizes(expected.size() + 1);
+    PointIndex in = 0;
+    for (PointIndex i = 0; i < cloud->size(); ++i) {
+        QVERIFY(ids[i] <= expected.size());
+        ++sizes[ids[i]];
+    }
+    for (const auto& cluster : expected) {
+        in += cluster.indices.size();
+        const std::uint32_t id = ids[std::size_t(cluster.indices[0])];
+        QVERIFY(id != 0);
+        QCOMPARE(sizes[id], PointIndex(cluster.indices.size()));
+        for (const auto i : cluster.indices) QCOMPARE(ids[std::size_t(i)], id);
+    }
+    QCOMPARE(sizes[0], cloud->size() - in);
+    for (std::size_t k = 2; k < sizes.size(); ++k) QVERIFY(sizes[k] <= sizes[k - 1]);
+    qInfo("%zu clusters", expected.size());
+}
+
+void PclTest::featuresAreThoseOfEigen()
+{
+    QFETCH(QString, file);
+    const auto cloud = load(file);
+    if (!cloud) QSKIP(qPrintable(file + " is not there"));
+    run(*cloud, "features k=16")->apply(*cloud);
+    run(*cloud, "normals k=16")->apply(*cloud);
+    Progress progress;
+    const KdOrder order(*cloud, progress);
+    std::vector<KdOrder::Found> found;
+    double worst = 0;
+    for (PointIndex i = 0; i < cloud->size(); i += 37) {
+        order.nearest(std::uint32_t(i), 16, found);
+        Eigen::Matrix<double, 3, 16> offsets;
+        for (int j = 0; j < 16; ++j)
+            for (int a = 0; a < 3; ++a)
+                offsets(a, j) = (double(order.raw(found[std::size_t(j)].point)[std::size_t(a)]) -
+                                 double(order.raw(std::uint32_t(i))[std::size_t(a)])) *
+                                order.scale()[std::size_t(a)];
+        const Eigen::Vector3d mean = offsets.rowwise().mean();
+        const Eigen::Matrix<double, 3, 16> centered = offsets.colwise() - mean;
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(centered * centered.transpose() / 16);
+        const Eigen::Vector3d l = solver.eigenvalues().cwiseMax(0.0);
+        if (l[2] <= 0) continue;
+        const auto check = [&](const char* name, double expected, double room) {
+            const double off = std::abs(cloud->findAttribute(name)->number(i) - expected);
+            worst = std::max(worst, off / room);
+        };
+        check("Linearity", (l[2] - l[1]) / l[2], 1e-6);
+        check("Planarity", (l[1] - l[0]) / l[2], 1e-6);
+        check("Sphericity", l[0] / l[2], 1e-6);
+        check("Anisotropy", (l[2] - l[0]) / l[2], 1e-6);
+        check("Curvature", l[0] / l.sum(), 1e-6);
+        check("Omnivariance", std::cbrt(l[0] * l[1] * l[2]) / l.sum(), 1e-4);
+        check("Density", 16 / (M_PI * found[15].squared), 1e-5 * 16 / (M_PI * found[15].squared));
+        if (l[1] - l[0] < 1e-4 * l[2]) continue;  // no normal is singled out
+        const Eigen::Vector3d normal = solver.eigenvectors().col(0);
+        check("Verticality", 1 - std::abs(normal[2]), 1e-5);
+        check("Roughness", std::abs(normal.dot(mean)), 1e-5 * std::sqrt(l[2]));
+    }
+    QVERIFY2(worst < 1, qPrintable(QString::number(worst)));
+}
+
 void PclTest::normalsAreThoseOfPcl()
 {
     QFETCH(QString, file);
@@ -176,12 +295,12 @@ void PclTest::normalsAreThoseOfPcl()
         const auto& e = expected[i];
         const double cosine = normal->number(i, 0) * double(e.normal_x) +
                               normal->number(i, 1) * double(e.normal_y) + normal->number(i, 2) * double(e.normal_z);
-        differ += !(std::abs(cosine) > 0.999);
+        differ += !(std::abs(cosine) > kOneDegree);
     }
     // Files hold coordinates in steps of centimetres, so that several points tie for the 16th place and either may
     // be taken; PCL's choice changes with the order of its tree, too. Planes of such points differ.
     qInfo("%llu of %llu normals differ", qulonglong(differ), qulonglong(cloud->size()));
-    QVERIFY(double(differ) < 0.001 * double(cloud->size()));
+    QVERIFY(double(differ) < 0.01 * double(cloud->size()));
 }
 
 void PclTest::normalsOfTheSample()

@@ -140,8 +140,17 @@ Claim claimOf(const JournalEntry& entry, const State& before)
     const Recipe& recipe = entry.recipe;
     Names& names = claim.attributes;
     if (recipe.step == "normals") {
-        names = {{"NormalX", true}, {"NormalY", true}, {"NormalZ", true}, {"Normal", true}};
-    } else if (recipe.step == "outliers" || recipe.step == "ground" || recipe.step == "reclassify") {
+        names = {{"NormalX", true}, {"NormalY", true}, {"NormalZ", true}, {"Normal", true}, {"Curvature", true}};
+    } else if (recipe.step == "features") {
+        names = {{"Linearity", true},    {"Planarity", true}, {"Sphericity", true},
+                 {"Anisotropy", true},   {"Curvature", true}, {"Verticality", true},
+                 {"Omnivariance", true}, {"Roughness", true}, {"Density", true}};
+    } else if (recipe.step == "splat-radius") {
+        names = {{"SplatRadius", true}};
+    } else if (recipe.step == "clusters") {
+        names = {{"ClusterId", true}};
+    } else if (recipe.step == "outliers" || recipe.step == "radius-outliers" || recipe.step == "ground" ||
+               recipe.step == "reclassify") {
         names = {{"Classification", false}};
     } else if (recipe.step == "set") {
         names = {{expression::Rule(valueOf(recipe, "rule")).target(), !valueOf(recipe, "new").empty()}};

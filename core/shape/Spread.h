@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+namespace punctum
+{
+
+/// How points lie about their mean: the eigenvalues and eigenvectors of their covariance.
+struct Spread {
+    using Vector = std::array<double, 3>;
+    Vector mean{};
+    Vector values{};  ///< variances along the axes, rising; none is negative
+    Vector least{};   ///< unit vector along which they spread least: the normal of the plane of least squares; zero
+                     ///< where none is singled out (fewer than three points, or all on a line)
+
+    /// The greatest one, and the shares of all: l1 >= l2 >= l3.
+    double l1() const noexcept { return values[2]; }
+    double l2() const noexcept { return values[1]; }
+    double l3() const noexcept { return values[0]; }
+    double sum() const noexcept { return values[0] + values[1] + values[2]; }
+};
+
+/// In closed form (Smith 1961: the roots of the characteristic polynomial by an angle), in double. Values are good
+/// to some 1e-14 of the greatest.
+Spread spreadOf(std::span<const std::array<float, 3>> points) noexcept;
+
+}  // namespace punctum
