@@ -72,7 +72,11 @@ private slots:
     void cellsAreThoseOfPcl();
     void radiusOutliersAreThoseOfPcl_data() { files(); }
     void radiusOutliersAreThoseOfPcl();
-    void clustersAreThoseOfPcl_data() { files(); }
+    void clustersAreThoseOfPcl_data()
+    {
+        QTest::addColumn<QString>("file");  // PCL takes minutes for those that are denser
+        for (const char* file : {"autzen_trim_7.las", "megaplot.las"}) QTest::newRow(file) << QString(file);
+    }
     void clustersAreThoseOfPcl();
     void featuresAreThoseOfEigen_data() { files(); }
     void featuresAreThoseOfEigen();
