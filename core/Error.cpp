@@ -3,12 +3,19 @@
 
 #include "core/Text.h"
 
+#include <system_error>
+
 namespace punctum
 {
 
 std::string shownName(const std::filesystem::path& file)
 {
     return printable(file.filename().string());
+}
+
+std::string systemReason(int error)
+{
+    return std::generic_category().message(error);
 }
 
 namespace

@@ -13,6 +13,9 @@ namespace punctum
 /// The file's name without its folder, printable() whatever it is.
 std::string shownName(const std::filesystem::path& file);
 
+/// What the system calls an error number (errno): "No space left on device".
+std::string systemReason(int error);
+
 /// The one error type of Punctum: a sentence a user can act on.
 ///
 /// Thrown by everything in core and render that can fail because of its input or its surroundings

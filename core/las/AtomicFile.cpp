@@ -26,11 +26,6 @@ constexpr const char* kAccessList = "system.posix_acl_access";
 constexpr int kMostLinks = 40;                              ///< as Linux follows
 constexpr std::size_t kMostAtOnce = std::size_t(64) << 20;  ///< bytes in one write; Linux takes up to 2 GiB
 
-std::string reason(int error)
-{
-    return std::generic_category().message(error);
-}
-
 /// Keeps SIGXFSZ (a file beyond the size limit) from ending the program: the write then fails with EFBIG.
 class FileSizeSignal
 {
@@ -137,7 +132,7 @@ void AtomicFile::fail(const std::string& what, int error) const
 {
     if (error == ENOSPC || error == EDQUOT) throw Error(m_shown, "The disk is full; nothing was changed.");
     if (error == EFBIG) throw Error(m_shown, "The file would become too large for this disk; nothing was changed.");
-    throw Error(m_shown, what + ": " + reason(error) + ".");
+    throw Error(m_shown, what + ": " + systemReason(error) + ".");
 }
 
 void AtomicFile::writeAt(std::uint64_t offset, std::span<const std::byte> bytes)

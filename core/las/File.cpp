@@ -8,21 +8,10 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <system_error>
 #include <utility>
 
 namespace punctum::las
 {
-
-namespace
-{
-
-std::string reason(int error)
-{
-    return std::generic_category().message(error);
-}
-
-}  // namespace
 
 FileStamp FileStamp::of(const struct stat& s) noexcept
 {
@@ -44,7 +33,7 @@ File::File(const std::filesystem::path& path) : m_path(path)
     m_descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (m_descriptor < 0) {
         if (errno == ENOENT) throw Error(path, "There is no such file.");
-        throw Error(path, "The file cannot be opened: " + reason(errno) + ".");
+        throw Error(path, "The file cannot be opened: " + systemReason(errno) + ".");
     }
     struct stat s {
     };
@@ -72,7 +61,7 @@ void File::readAt(std::uint64_t offset, std::span<std::byte> out) const
     while (!out.empty()) {
         const ssize_t n = ::pread(m_descriptor, out.data(), out.size(), off_t(offset));
         if (n < 0 && errno == EINTR) continue;
-        if (n < 0) throw Error(m_path, "The file cannot be read: " + reason(errno) + ".", offset);
+        if (n < 0) throw Error(m_path, "The file cannot be read: " + systemReason(errno) + ".", offset);
         if (n == 0)
             throw Error(m_path, "The file ended while it was being read; was it changed meanwhile?", offset);
         offset += std::uint64_t(n);

@@ -90,7 +90,7 @@ std::vector<std::string> sentencesOn(const Outcome& o)
     std::vector<std::string> sentences;
     const std::string which = "A save of " + grouped(o.total) + " files was cut off";
     if (!o.failed.empty())
-        sentences.push_back(which + " and cannot be finished (" + std::generic_category().message(o.error) +
+        sentences.push_back(which + " and cannot be finished (" + systemReason(o.error) +
                             "); these are still as before: " + listText(o.failed) +
                             ". Allow writing to the folder, and open them again.");
     else if (!o.named.empty() && o.changed.empty() && o.lost.empty())

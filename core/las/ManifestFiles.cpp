@@ -83,8 +83,7 @@ ManifestFiles::ManifestFiles(fs::path shown, const std::map<fs::path, std::vecto
             decider.others.push_back(it->first);
         }
         for (const auto& [folder, files] : folders)
-            if (const int error = syncFolder(folder); error != 0)
-                throw Error(std::generic_category().message(error) + ".");
+            if (const int error = syncFolder(folder); error != 0) throw Error(systemReason(error) + ".");
         decide(manifestText(decider));
     } catch (const Error& e) {
         removeUndone();
@@ -116,15 +115,14 @@ void ManifestFiles::createDecider(const fs::path& folder)
         ::close(std::exchange(m_descriptor, -1));
         errno = EBUSY;
     }
-    throw Error(m_shown, "Nothing was changed, since the save cannot be noted down beside it: " +
-                             std::generic_category().message(errno) + ".");
+    throw Error(m_shown,
+                "Nothing was changed, since the save cannot be noted down beside it: " + systemReason(errno) + ".");
 }
 
 void ManifestFiles::decide(const std::string& text)
 {
     if (writeAll(m_descriptor, text) && ::fsync(m_descriptor) == 0) return;
-    throw Error(errno == ENOSPC || errno == EDQUOT ? "The disk is full."
-                                                   : std::generic_category().message(errno) + ".");
+    throw Error(errno == ENOSPC || errno == EDQUOT ? "The disk is full." : systemReason(errno) + ".");
 }
 
 void ManifestFiles::removeDone() noexcept

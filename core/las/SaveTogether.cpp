@@ -41,11 +41,6 @@ struct Piece {
     bool named = false;
 };
 
-std::string systemSays(int error)
-{
-    return std::generic_category().message(error);
-}
-
 /// Files that may be neither renamed nor replaced, whatever their mode: chattr +i and +a.
 bool isImmutable(const fs::path& file)
 {
@@ -150,7 +145,7 @@ std::vector<WriteReport> commitTogether(std::vector<StagedWrite> stages)
     const int error = nameAll(pieces);
     if (error != 0 && std::none_of(pieces.begin(), pieces.end(), [](const Piece& p) { return p.named; })) {
         manifests.removeUndone();
-        throw Error(first, "The files cannot take their names: " + systemSays(error) + "; nothing was changed.");
+        throw Error(first, "The files cannot take their names: " + systemReason(error) + "; nothing was changed.");
     }
     for (const auto& [folder, entries] : folders) (void)syncFolder(folder);
     if (error == 0) manifests.removeDone();
@@ -171,7 +166,7 @@ std::vector<WriteReport> commitTogether(std::vector<StagedWrite> stages)
     }
     if (error != 0)
         throw Error("Of " + grouped(stages.size()) + " files these are saved: " + listText(saved) +
-                    ". The others cannot take their names (" + systemSays(error) + "): " + listText(missing) +
+                    ". The others cannot take their names (" + systemReason(error) + "): " + listText(missing) +
                     "; they follow when one of them is opened next.");
     return reports;
 }

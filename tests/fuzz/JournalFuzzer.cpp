@@ -152,6 +152,16 @@ Claim claimOf(const JournalEntry& entry, const State& before)
     } else if (recipe.step == "outliers" || recipe.step == "radius-outliers" || recipe.step == "ground" ||
                recipe.step == "reclassify") {
         names = {{"Classification", false}};
+    } else if (recipe.step == "buildings" || recipe.step == "vegetation") {
+        names = {{"Classification", false}};
+    } else if (recipe.step == "isolated" || recipe.step == "low" || recipe.step == "strays" ||
+               recipe.step == "duplicates" || recipe.step == "thin" || recipe.step == "thin-to") {
+        names = {{"Classification", false}, {"Withheld", false}, {"Kept", true}};
+        claim.deletes = true;
+    } else if (recipe.step == "height") {
+        names = {{"HeightAboveGround", true}};
+    } else if (recipe.step == "trees") {
+        names = {{"TreeId", true}};
     } else if (recipe.step == "set") {
         names = {{expression::Rule(valueOf(recipe, "rule")).target(), !valueOf(recipe, "new").empty()}};
     } else if (recipe.step == "delete" || recipe.step == "restore") {
