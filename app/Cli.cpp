@@ -37,6 +37,7 @@ void describe(CLI::App& root, Action& action)
     addRender(root, action);
     addProcess(root, action);
     addExtract(root, action);
+    addVolume(root, action);
     addReplay(root, action);
     addRaster(root, action);
     addContours(root, action);

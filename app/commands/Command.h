@@ -37,6 +37,7 @@ void addRepair(CLI::App& root, Action& action);
 void addRender(CLI::App& root, Action& action);
 void addProcess(CLI::App& root, Action& action);
 void addExtract(CLI::App& root, Action& action);
+void addVolume(CLI::App& root, Action& action);
 void addReplay(CLI::App& root, Action& action);
 void addRaster(CLI::App& root, Action& action);
 void addContours(CLI::App& root, Action& action);

@@ -11,6 +11,7 @@
 #include "core/cloud/Section.h"
 #include "core/cloud/ShownExtent.h"
 #include "core/expression/Condition.h"
+#include "core/surface/Surface.h"
 #include "core/task/Progress.h"
 #include "render/camera/CameraFile.h"
 #include "render/color/ColorMap.h"
@@ -46,6 +47,8 @@ struct RenderOptions {
     bool average = false;
     std::string normals = "lit";
     bool eyeDome = false;
+    std::string surface = "none";
+    bool pointsOnTop = false;
     int bands = 0;
     std::string backend = "auto";
     std::string background;
@@ -226,6 +229,10 @@ void runRender(const RenderRequest& request, Progress& progress)
     display.samples = options.samples;
     display.eyeDome = options.eyeDome ? 1.0 : 0.0;
     display.bands = options.bands;
+    display.surface = options.surface == "gray"      ? render::SurfaceLook::Gray
+                      : options.surface == "heights" ? render::SurfaceLook::Heights
+                                                     : render::SurfaceLook::None;
+    display.pointsOnTop = options.pointsOnTop;
     display.backgroundTop = request.background.top;
     display.backgroundBottom = request.background.bottom;
     const glm::dvec3 stretch = trueLengths(*clouds.front().cloud, bounds).stretch;
@@ -243,6 +250,8 @@ void runRender(const RenderRequest& request, Progress& progress)
         renderer.addCloud(clouds[k].store);
         renderer.loadingEnded(cloud, clouds[k].bounds);
         visibility[k].clip = clip;
+        if (display.surface != render::SurfaceLook::None)
+            renderer.setSurface(cloud, Surface(clouds[k].cloud, {}, progress).view());
         if (options.filter.empty()) continue;
         const expression::Condition filter(options.filter, cloud);
         visibility[k].filtered = expression::selectOthers(cloud, filter, progress);
@@ -316,6 +325,13 @@ void addRender(CLI::App& root, Action& action)
                     "Attribute to show, such as Z, Intensity, Classification, RGB or an extra one; "
                     "default: RGB if there are colors, else Intensity, Classification or Z")
         ->type_name("NAME");
+    command
+        .add_option("--surface", options->surface,
+                    "The ground points (class 2) as a lit surface: gray, or heights for a tint by height")
+        ->type_name("LOOK")
+        ->check(CLI::IsMember({"none", "gray", "heights"}));
+    command.add_flag("--points-on-top", options->pointsOnTop,
+                     "With --surface: points below or behind the surface are seen through it");
     command
         .add_option("--color-map", options->colorMap,
                     "Colors of a quantity: " + CLI::detail::join(maps, ", ") +

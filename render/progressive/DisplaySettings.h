@@ -5,6 +5,7 @@
 #include "render/color/ColorMap.h"
 #include "render/color/Tone.h"
 #include "render/scene/ResolveSettings.h"
+#include "render/surface/SurfaceLook.h"
 
 #include <algorithm>
 #include <array>
@@ -40,12 +41,14 @@ struct DisplaySettings {
     double spacings = 1.0;   ///< Density: width in spacings; 1: the squares of neighbors touch
     bool round = false;      ///< points are circles (where they are 1.5 px wide or more)
     bool averaged = false;   ///< a sample shows the mean color of all points within 1 % of its nearest one's depth
-    NormalLook normals = NormalLook::Lit;  ///< Vector
-    ColorTone tone;                        ///< Color
-    int bands = 0;                         ///< Scalar: steps of the color map; 0: smooth
-    double eyeDome = 0.0;                  ///< strength of eye-dome lighting, 1 as usual; 0: none
-    bool fillHoles = false;                ///< closes small holes of frames that are not finished (HoleFill.h)
-    int samples = 1;                       ///< a pixel; the next lower of kSampleCounts
+    NormalLook normals = NormalLook::Lit;     ///< Vector
+    ColorTone tone;                           ///< Color
+    int bands = 0;                            ///< Scalar: steps of the color map; 0: smooth
+    double eyeDome = 0.0;                     ///< strength of eye-dome lighting, 1 as usual; 0: none
+    bool fillHoles = false;                   ///< closes small holes of frames that are not finished (HoleFill.h)
+    SurfaceLook surface = SurfaceLook::None;  ///< of the clouds that have one: ProgressiveRenderer::setSurface()
+    bool pointsOnTop = false;                 ///< points behind the surface are seen through it
+    int samples = 1;                          ///< a pixel; the next lower of kSampleCounts
     Rgba8 backgroundTop{38, 44, 52, 255};
     Rgba8 backgroundBottom{16, 18, 22, 255};
 

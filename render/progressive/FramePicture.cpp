@@ -57,6 +57,14 @@ void FramePicture::make(const FrameScene& scene, ResolveSettings settings, bool 
         shading.resolveOnDevice(scene, settings);
 }
 
+Image& FramePicture::makeHere(const FrameScene& scene, ResolveSettings settings, bool averaged, Shading& shading)
+{
+    const bool keep = std::exchange(m_keepOnDevice, false);
+    make(scene, std::move(settings), averaged, shading);
+    m_keepOnDevice = keep;
+    return m_image;
+}
+
 double FramePicture::finish(Shading& shading, double began)
 {
     if (!m_imageThere) shading.finish();

@@ -31,6 +31,8 @@ public:
     /// Makes the picture, or asks the device for it, on which it stays where keepOnDevice(). `averaged`: of added
     /// colors, where they are those of now.
     void make(const FrameScene& scene, ResolveSettings settings, bool averaged, Shading& shading);
+    /// The same into memory, wherever the next one goes; something is to be put together with it.
+    Image& makeHere(const FrameScene& scene, ResolveSettings settings, bool averaged, Shading& shading);
     /// Waits for it, and learns what it took since `began`; returns that.
     double finish(Shading& shading, double began);
     /// What making it costs, s.

@@ -132,6 +132,46 @@ void ProgressiveRenderer::setPreview(const PointCloud& cloud, std::shared_ptr<co
     storesChanged(StoreChange::Values);
 }
 
+void ProgressiveRenderer::setSurface(const PointCloud& cloud, std::shared_ptr<const SurfaceView> surface)
+{
+    ViewCloud* const entry = find(cloud);
+    if (entry == nullptr || entry->surface == surface) return;
+    entry->surface = std::move(surface);
+    m_surfaceChanged = true;
+    if (m_look.display.surface != SurfaceLook::None) m_picture.outdate();
+}
+
+bool ProgressiveRenderer::showsSurface() const noexcept
+{
+    return m_look.display.surface != SurfaceLook::None &&
+           std::any_of(m_clouds.begin(), m_clouds.end(),
+                       [](const auto& entry) { return entry->surface != nullptr; });
+}
+
+void ProgressiveRenderer::composeSurface(const ResolveSettings& settings)
+{
+    ResolveSettings alone = settings;
+    alone.backgroundTop = alone.backgroundBottom = {0, 0, 0, 0};
+    Image& picture = m_picture.makeHere(m_scene, alone, m_look.display.averaged, *m_backend);
+    if (m_surfaceChanged || (m_surfaceCoarse && !m_moving)) {
+        std::vector<SurfaceLayer> layers;
+        const PicturePart part = m_look.part.value_or(PicturePart{0, 0, m_size.width, m_size.height});
+        const double focal = part.height / 2.0 / std::tan(m_look.camera.fovY / 2);
+        for (std::size_t k = 0; k < m_clouds.size(); ++k) {
+            const Layer& layer = m_scene.layers[k];
+            if (!m_clouds[k]->surface) continue;
+            layers.push_back({m_clouds[k]->surface, layer.projection, layer.store->frame(), layer.clip,
+                              layer.projection.perspective ? focal : focal / m_look.camera.pivotDepth()});
+        }
+        m_surface.draw(layers, m_size, m_moving ? SurfaceRaster::kCoarseCell : SurfaceRaster::kFineCell,
+                       m_look.display.surface);
+        m_surfaceCoarse = m_moving;
+        m_surfaceChanged = false;
+    }
+    m_backend->depths(m_depths);
+    m_surface.compose(picture, m_depths, m_look.display.pointsOnTop, settings);
+}
+
 void ProgressiveRenderer::hide(const PointCloud& cloud, const PointSet* points)
 {
     ViewCloud* const entry = find(cloud);
@@ -226,6 +266,7 @@ void ProgressiveRenderer::setDisplay(const DisplaySettings& display)
         before.round != m_look.display.round || before.classVisible != m_look.display.classVisible ||
         before.clip != m_look.display.clip || before.cuts != m_look.display.cuts)
         m_viewChanged = true;
+    if (before.surface != m_look.display.surface) m_surfaceChanged = true;
     if (before.classVisible != m_look.display.classVisible || before.clip != m_look.display.clip)
         m_legend.valuesChanged();
     if (before.range != m_look.display.range || before.attribute != m_look.display.attribute)
@@ -282,7 +323,10 @@ void ProgressiveRenderer::updateScene()
 void ProgressiveRenderer::resolveImage(ResolveSettings settings)
 {
     double began = now();
-    m_picture.make(m_scene, settings, m_look.display.averaged, *m_backend);
+    if (showsSurface())
+        composeSurface(settings);
+    else
+        m_picture.make(m_scene, settings, m_look.display.averaged, *m_backend);
     // The device may still have been drawing.
     if (m_scheduler.pending()) began = std::max(began, m_scheduler.countTimed(m_clouds, *m_backend, m_passes));
     if (settings.closeHoles && !FrameScheduler::partial(m_clouds)) {
@@ -303,7 +347,8 @@ bool ProgressiveRenderer::copyPicture(unsigned texture)
 bool ProgressiveRenderer::converged() const noexcept
 {
     return !m_targetChanged && !m_layersChanged && !m_slotsChanged && !m_viewChanged && !m_picture.outdated() &&
-           !m_words.streaming() && std::all_of(m_clouds.begin(), m_clouds.end(), [&](const auto& e) {
+           !(m_surfaceCoarse && showsSurface()) && !m_words.streaming() &&
+           std::all_of(m_clouds.begin(), m_clouds.end(), [&](const auto& e) {
                return e->complete() && !e->store->stale() &&
                       (!m_look.display.averaged || e->colored == e->store->slotCount());
            });
@@ -338,7 +383,10 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
     const RasterBackend::Traffic before = m_backend->traffic();
     m_scheduler.beginFrame(*m_backend);
     const bool viewChanged = m_targetChanged || m_layersChanged || m_slotsChanged || m_viewChanged;
+    m_moving = viewChanged && !m_targetChanged && budget > 0;
+    if (!viewChanged && m_surfaceCoarse && showsSurface()) m_picture.outdate();
     if (viewChanged) {
+        m_surfaceChanged = true;
         outdateWords();
         updateScene();
         if (m_targetChanged) {
@@ -420,6 +468,8 @@ FrameReport ProgressiveRenderer::renderBruteForce()
     else
         m_backend->setTarget(m_size);
     m_targetChanged = m_layersChanged = m_slotsChanged = m_viewChanged = false;
+    m_surfaceChanged = true;
+    m_moving = false;
     FrameScheduler::beginPass(m_clouds);
     for (std::size_t k = 0; k < m_clouds.size(); ++k) {
         ViewCloud& entry = *m_clouds[k];

@@ -12,6 +12,7 @@
 #include "render/progressive/ViewLook.h"
 #include "render/progressive/WordStream.h"
 #include "render/raster/Backend.h"
+#include "render/surface/SurfaceRaster.h"
 
 #include <memory>
 #include <optional>
@@ -70,6 +71,9 @@ public:
 
     /// Goes on with other slots of a store, PointStore::arrangement(); what the picture shows is seen anew in them.
     void arrange(const PointCloud& cloud, Arrangement&& arrangement);
+
+    /// The ground surface of a cloud, drawn where the display says how; null: none.
+    void setSurface(const PointCloud& cloud, std::shared_ptr<const SurfaceView> surface);
 
     enum class StoreChange { Values, Selection, Hidden, Slots };
     /// Another renderer has changed stores that this one draws, too.
@@ -143,6 +147,9 @@ private:
     /// Makes the scene of the next frame from what the view was told.
     void updateScene();
     void resolveImage(ResolveSettings settings);
+    bool showsSurface() const noexcept;
+    /// Puts surface and points together; draws the surface anew where what is seen of it has changed.
+    void composeSurface(const ResolveSettings& settings);
 
     std::unique_ptr<RasterBackend> m_backend;
     ViewClouds m_clouds;
@@ -153,6 +160,11 @@ private:
     WordStream m_words;
     SharedLegend m_legend;
     FramePicture m_picture;
+    SurfaceRaster m_surface;
+    bool m_surfaceChanged = true;  ///< what is to be seen of it
+    bool m_surfaceCoarse = false;  ///< it was drawn in a hurry
+    bool m_moving = false;         ///< this frame shows another view than the one before
+    std::vector<float> m_depths;   ///< of the points, for composeSurface()
     FrameReport::Passes m_passes;  ///< of this frame
     std::vector<PointId> m_kept;   ///< what the picture showed when slots became others, by what they are now
     bool m_targetChanged = true;   ///< size or samples: a new, empty buffer is needed

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/surface/Surface.h"
 #include "render/store/PointStore.h"
 
 #include <glm/vec3.hpp>
@@ -26,6 +27,8 @@ struct ViewCloud {
     double spacing = 0;                         ///< pointSpacing() of ...
     glm::dvec3 spacingStretch{0};               ///< ... this view and ...
     PointIndex filledAtSpacing = 0;             ///< ... so many points
+
+    std::shared_ptr<const SurfaceView> surface;  ///< of its ground; null: none is known
 
     /// What a slot costs on average, next to one in sight: others cost little, but not nothing.
     double weight = 1.0;

@@ -272,6 +272,7 @@ void Sections::change(const std::optional<Section>& section)
 {
     m_select.giveUp();  // it was drawn on what is no longer seen
     m_section = section;
+    emit sectionChanged();
 }
 
 void Sections::show()

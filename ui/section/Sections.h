@@ -75,6 +75,9 @@ public:
 
     bool eventFilter(QObject* watched, QEvent* event) override;
 
+signals:
+    void sectionChanged();  ///< section()
+
 private:
     void addMenu(Menus& menus);
     void linkPoints();

@@ -265,6 +265,14 @@ void Selection::selectClass(unsigned code, SelectMode mode)
     askCondition(QStringLiteral("Classification == %1").arg(code), mode);
 }
 
+void Selection::selectFound(const QString& title, std::function<PointSet(const PointCloud&, Progress&)> find)
+{
+    if (!active()) return;
+    askFound(title, m_mode, [find = std::move(find)](const ViewSnapshot& view, Progress& progress) {
+        return find(*view.cloud, progress);
+    });
+}
+
 void Selection::askCondition(const QString& text, SelectMode mode)
 {
     askFound(tr("Select by rule"), mode, [text](const ViewSnapshot& view, Progress& progress) {

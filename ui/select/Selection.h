@@ -83,6 +83,8 @@ public:
     void selectByRule(const QString& condition);
     /// Whatever the mode of the tools.
     void selectClass(unsigned code, SelectMode mode);
+    /// Those that `find` finds in a job, by the mode.
+    void selectFound(const QString& title, std::function<PointSet(const PointCloud&, Progress&)> find);
     /// By a look at neighbors; neighborsTaken() tells what came of it. `distance`: in the document's unit of
     /// length.
     void grow(double distance);

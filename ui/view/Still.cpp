@@ -66,6 +66,7 @@ StillDrawing::StillDrawing(std::shared_ptr<Still> still, std::span<const DrawnCl
     for (const DrawnCloud& cloud : clouds) {
         m_renderer.addCloud(cloud.store);
         if (!cloud.loading) m_renderer.loadingEnded(cloud.store->cloud(), cloud.store->bounds());
+        m_renderer.setSurface(cloud.store->cloud(), cloud.surface);
     }
 }
 

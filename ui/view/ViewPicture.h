@@ -21,6 +21,7 @@ class FramePool;
 struct DrawnCloud {
     std::shared_ptr<render::PointStore> store;
     bool loading = true;
+    std::shared_ptr<const SurfaceView> surface{};  ///< of its ground; null: none is known
 };
 
 /// One view, as the render thread knows it: its renderer, the newest wishes, and who waits for the finished

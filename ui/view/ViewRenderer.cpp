@@ -163,6 +163,7 @@ void ViewRenderer::setOn(bool on)
         for (const DrawnCloud& cloud : thread.clouds) {
             picture.renderer->addCloud(cloud.store);
             if (!cloud.loading) picture.renderer->loadingEnded(cloud.store->cloud(), cloud.store->bounds());
+            picture.renderer->setSurface(cloud.store->cloud(), cloud.surface);
         }
         // Told when the newest wishes are known: the one before might show another attribute, in all views.
         picture.fresh = picture.dirty = true;
@@ -267,6 +268,15 @@ void ViewRenderer::setPreview(std::shared_ptr<const PointCloud> cloud, std::shar
     post([cloud = std::move(cloud), preview = std::move(preview)](Thread& thread) {
         thread.changeStores(StoreChange::Values,
                             [&](render::ProgressiveRenderer& renderer) { renderer.setPreview(*cloud, preview); });
+    });
+}
+
+void ViewRenderer::setSurface(std::shared_ptr<const PointCloud> cloud, std::shared_ptr<const SurfaceView> surface)
+{
+    post([cloud = std::move(cloud), surface = std::move(surface)](Thread& thread) {
+        for (DrawnCloud& entry : thread.clouds)
+            if (&entry.store->cloud() == cloud.get()) entry.surface = surface;
+        thread.forAll([&](render::ProgressiveRenderer& renderer) { renderer.setSurface(*cloud, surface); });
     });
 }
 

@@ -114,6 +114,8 @@ public:
     void setSelection(std::shared_ptr<const PointCloud> cloud, std::shared_ptr<const PointSet> selection);
     /// Colors as they would be after a change; null: as they are.
     void setPreview(std::shared_ptr<const PointCloud> cloud, std::shared_ptr<const Preview> preview);
+    /// The ground surface of a cloud, drawn where the settings say so; null: none.
+    void setSurface(std::shared_ptr<const PointCloud> cloud, std::shared_ptr<const SurfaceView> surface);
     using SnapshotReply = std::function<void(const std::shared_ptr<const ViewSnapshot>&)>;
     /// The view of a cloud once the picture is finished; `reply` is called in the thread of `receiver`, unless that
     /// is gone, with null when the cloud is.

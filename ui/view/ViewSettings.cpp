@@ -135,6 +135,12 @@ void ViewSettings::setEyeDome(double strength)
     set(m_display.eyeDome, std::clamp(strength, 0.0, 4.0));
 }
 
+void ViewSettings::setSurface(render::SurfaceLook look, bool pointsOnTop)
+{
+    set(m_display.pointsOnTop, pointsOnTop);
+    set(m_display.surface, look);
+}
+
 void ViewSettings::setBands(int bands)
 {
     set(m_display.bands, bands < 2 ? 0 : std::min(bands, 64));

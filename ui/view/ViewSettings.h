@@ -47,6 +47,8 @@ public:
     void setSamples(int samples);
     /// Strength, 0 to 4; 0: none.
     void setEyeDome(double strength);
+    /// The ground surface, and whether points are seen through it.
+    void setSurface(render::SurfaceLook look, bool pointsOnTop);
     /// Steps of the color map, up to 64; less than 2: smooth.
     void setBands(int bands);
     /// Own: the color of setOwnBackground().

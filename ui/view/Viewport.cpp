@@ -389,6 +389,7 @@ render::DisplaySettings Viewport::displayFor(double scale) const
     render::DisplaySettings display = m_settings.display();
     display.pointSize *= scale;  // chosen in logical px
     display.cuts = m_cuts;
+    if (m_flat) display.surface = render::SurfaceLook::None;  // a slab shows hardly anything of it
     return display;
 }
 

@@ -33,6 +33,7 @@
 #include "ui/select/UndoOrder.h"
 #include "ui/settings/WindowSettings.h"
 #include "ui/style/Icons.h"
+#include "ui/surface/GroundSurface.h"
 #include "ui/view/ClipFrame.h"
 #include "ui/view/Framing.h"
 #include "ui/view/MessageArea.h"
@@ -113,8 +114,11 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     addMenus();
     m_selectBar = new SelectBar(*m_menus, *m_workspace, *m_selection, *m_selectTools, *m_edit);
     addMeasureMenu(*m_menus, *m_measureTools, *m_measurements, *m_measureDock);
-    m_sections = new Sections({*m_workspace, *m_renderer, *m_view, *m_filter, *m_viewScope, *m_shown, *m_viewport},
+    const MainView main{*m_workspace, *m_renderer, *m_view, *m_filter, *m_viewScope, *m_shown, *m_viewport};
+    m_ground = new GroundSurface(main, *m_menus, *m_selection);
+    m_sections = new Sections(main,
                               *m_menus, *m_selectTools, *m_measureTools, *views, *m_settings);
+    m_ground->showIn(*m_sections);
     m_places = new Places(*m_menus, *m_workspace, *m_viewport, *m_settings);
     m_screenshots = new Screenshots(*this, *m_workspace, *m_viewport, *m_sections, *m_measurements, *m_settings);
 

@@ -42,6 +42,7 @@ class HistoryDock;
 class SelectBar;
 class SelectTools;
 class Screenshots;
+class GroundSurface;
 class Sections;
 class Selection;
 class ViewRenderer;
@@ -117,6 +118,7 @@ public:
     Framing& framing() noexcept { return *m_framing; }
     ViewScope& viewScope() noexcept { return *m_viewScope; }
     Sections& sections() noexcept { return *m_sections; }
+    GroundSurface& ground() noexcept { return *m_ground; }
     Places& places() noexcept { return *m_places; }
     EditDock& editDock() noexcept { return *m_edit; }
     HistoryDock& historyDock() noexcept { return *m_history; }
@@ -186,6 +188,7 @@ private:
     ViewScope* m_viewScope = nullptr;
     ShownPill* m_shownPill = nullptr;
     Sections* m_sections = nullptr;
+    GroundSurface* m_ground = nullptr;
     Places* m_places = nullptr;
     EditDock* m_edit = nullptr;
     HistoryDock* m_history = nullptr;

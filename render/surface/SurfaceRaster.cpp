@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: MIT
+#include "render/surface/SurfaceRaster.h"
+
+#include "render/resolve/Background.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace punctum::render
+{
+
+namespace
+{
+
+constexpr int kBandRows = 32;
+/// Points so little behind the surface are shown: they are what it is made of, and grids cut corners.
+constexpr double kSlackPx = 3.0;
+
+struct Projected {
+    double x = 0, y = 0, depth = 0;
+};
+
+/// Of raw coordinates.
+Projected project(const SurfaceLayer& layer, double x, double y, double z) noexcept
+{
+    const glm::dvec3 q = layer.frame.toLocal(glm::dvec3(x, y, z)) - glm::dvec3(layer.projection.reference);
+    const LayerProjection& p = layer.projection;
+    const auto row = [&](const glm::vec4& r) { return glm::dot(glm::dvec3(r), q) + double(r.w); };
+    const double depth = row(p.rowD), w = p.perspective ? depth : 1.0;
+    return {row(p.rowX) / w, row(p.rowY) / w, depth};
+}
+
+bool isCutOff(const SurfaceLayer& layer, double x, double y, double z) noexcept
+{
+    const LayerClip& clip = layer.clip;
+    if (!clip.on && clip.planeCount == 0) return false;
+    const glm::dvec3 local = layer.frame.toLocal(glm::dvec3(x, y, z));
+    for (int a = 0; a < 3; ++a)
+        if (local[a] < double(clip.low[a]) || local[a] > double(clip.high[a])) return true;
+    const glm::dvec3 q = local - glm::dvec3(layer.projection.reference);
+    for (std::size_t k = 0; k < clip.planeCount; ++k)
+        if (glm::dot(glm::dvec3(clip.planes[k]), q) + double(clip.planes[k].w) < 0) return true;
+    return false;
+}
+
+/// Muted greens, tans and near white, as maps have heights.
+glm::vec3 tintOf(double share) noexcept
+{
+    static constexpr std::array<std::array<float, 3>, 5> kStops{{{0.48f, 0.62f, 0.52f},
+                                                                 {0.66f, 0.74f, 0.56f},
+                                                                 {0.85f, 0.80f, 0.60f},
+                                                                 {0.80f, 0.66f, 0.52f},
+                                                                 {0.95f, 0.93f, 0.91f}}};
+    const double at = std::clamp(share, 0.0, 1.0) * double(kStops.size() - 1);
+    const std::size_t k = std::min(std::size_t(at), kStops.size() - 2);
+    const float part = float(at - double(k));
+    glm::vec3 color;
+    for (int c = 0; c < 3; ++c)
+        color[c] = kStops[k][std::size_t(c)] * (1 - part) + kStops[k + 1][std::size_t(c)] * part;
+    return color;
+}
+
+}  // namespace
+
+void SurfaceRaster::place(std::span<const SurfaceLayer> layers, double cellPx, std::vector<Placed>& placed) const
+{
+    for (std::size_t l = 0; l < layers.size(); ++l) {
+        const SurfaceLayer& layer = layers[l];
+        const bool perspective = layer.projection.perspective;
+        for (std::size_t t = 0; t < layer.view->tiles.size(); ++t) {
+            const SurfaceTile& tile = *layer.view->tiles[t];
+            if (tile.empty()) continue;
+            Projected low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
+            for (int corner = 0; corner < 8; ++corner) {
+                const Projected p = project(layer, corner & 1 ? tile.box.maxX : tile.box.minX,
+                                            corner & 2 ? tile.box.maxY : tile.box.minY,
+                                            tile.base + double(corner & 4 ? tile.most : tile.least));
+                low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.depth, p.depth)};
+                high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.depth, p.depth)};
+            }
+            const double near = layer.projection.nearDepth;
+            if (high.depth < near) continue;
+            if (perspective && low.depth < near) {  // around the eye: anywhere
+                low.x = low.y = -1;
+                high.x = m_width;
+                high.y = m_height;
+            }
+            if (high.x < 0 || low.x > m_width || high.y < 0 || low.y > m_height) continue;
+            const double side = (tile.box.maxX - tile.box.minX) * layer.view->steps[0];
+            const double cell = side / SurfaceTile::kCells * layer.pixelsPerUnit /
+                                (perspective ? std::max(low.depth, side / SurfaceTile::kCells) : 1.0);
+            int step = 1;
+            while (step < SurfaceTile::kCells && cell * step * 2 <= cellPx) step *= 2;
+            placed.push_back({l, t, step, std::max(0, int(std::floor(low.y)) - 1),
+                              std::min(m_height, int(std::ceil(std::min(high.y, 1e6))) + 1)});
+        }
+    }
+}
+
+void SurfaceRaster::draw(std::span<const SurfaceLayer> layers, const TargetSize& size, double cellPx,
+                         SurfaceLook look)
+{
+    m_width = size.width;
+    m_height = size.height;
+    const std::size_t pixels = std::size_t(m_width) * std::size_t(m_height);
+    m_colors.resize(pixels);
+    m_depths.assign(pixels, INFINITY);
+    if (!layers.empty()) {
+        m_perspective = layers[0].projection.perspective;
+        m_nearestSlack = kSlackPx / layers[0].pixelsPerUnit;
+    }
+    std::vector<Placed> placed;
+    place(layers, cellPx, placed);
+    const int bands = (m_height + kBandRows - 1) / kBandRows;
+    std::vector<std::vector<std::uint32_t>> inBand(std::size_t(std::max(bands, 0)));
+    for (std::size_t k = 0; k < placed.size(); ++k)
+        for (int band = placed[k].firstRow / kBandRows; band * kBandRows < placed[k].lastRow; ++band)
+            inBand[std::size_t(band)].push_back(std::uint32_t(k));
+    tbb::parallel_for(0, bands, [&](int band) {
+        std::vector<Node> nodes;
+        const int first = band * kBandRows, last = std::min(m_height, first + kBandRows);
+        for (const std::uint32_t k : inBand[std::size_t(band)]) {
+            const SurfaceLayer& layer = layers[placed[k].layer];
+            drawTile(layer, *layer.view->tiles[placed[k].tile], placed[k].step, first, last, look, nodes);
+        }
+    });
+}
+
+void SurfaceRaster::drawTile(const SurfaceLayer& layer, const SurfaceTile& tile, int step, int firstRow,
+                             int lastRow, SurfaceLook look, std::vector<Node>& nodes)
+{
+    const SurfaceView& view = *layer.view;
+    const bool perspective = layer.projection.perspective;
+    const double cell = (tile.box.maxX - tile.box.minX) / SurfaceTile::kCells;
+    const int row = SurfaceTile::kCells / step + 1;
+    nodes.resize(std::size_t(row) * std::size_t(row));
+    // from the northwest, 45 degrees high, as maps are lit
+    const glm::dvec3 light(-0.5, 0.5, std::sqrt(0.5));
+    const double range = std::max(view.high - view.low, 1e-9);
+    for (int j = 0; j < row; ++j)
+        for (int i = 0; i < row; ++i) {
+            const int ni = i * step, nj = j * step;
+            Node& node = nodes[std::size_t(j) * std::size_t(row) + std::size_t(i)];
+            const float z = tile.height(ni, nj);
+            const double x = tile.box.minX + ni * cell, y = tile.box.minY + nj * cell,
+                         height = tile.base + double(z);
+            node.w = NAN;
+            if (std::isnan(z) || isCutOff(layer, x, y, height)) continue;
+            const Projected p = project(layer, x, y, height);
+            if (p.depth < double(layer.projection.nearDepth)) continue;
+            node.x = float(p.x);
+            node.y = float(p.y);
+            node.w = float(perspective ? 1.0 / p.depth : p.depth);
+            const auto rise = [&](float before, float after, double stepLength) {
+                const bool one = !std::isnan(before), two = !std::isnan(after);
+                if (!one && !two) return 0.0;
+                return double((two ? after : z) - (one ? before : z)) * view.steps[2] /
+                       ((int(one) + int(two)) * cell * stepLength);
+            };
+            const glm::dvec3 normal(-rise(tile.height(ni - 1, nj), tile.height(ni + 1, nj), view.steps[0]),
+                                    -rise(tile.height(ni, nj - 1), tile.height(ni, nj + 1), view.steps[1]), 1.0);
+            const double lit = std::max(0.0, glm::dot(glm::normalize(normal), light));
+            const float shade = float(255.0 * std::min(1.0, 0.22 + 0.86 * lit));
+            const glm::vec3 tint =
+                look == SurfaceLook::Heights ? tintOf((height - view.low) / range) : glm::vec3(0.82f, 0.82f, 0.80f);
+            node.r = shade * tint.x;
+            node.g = shade * tint.y;
+            node.b = shade * tint.z;
+        }
+    for (int j = 0; j + 1 < row; ++j)
+        for (int i = 0; i + 1 < row; ++i) {
+            const Node& a = nodes[std::size_t(j) * std::size_t(row) + std::size_t(i)];
+            const Node& b = nodes[std::size_t(j) * std::size_t(row) + std::size_t(i) + 1];
+            const Node& c = nodes[std::size_t(j + 1) * std::size_t(row) + std::size_t(i)];
+            const Node& d = nodes[std::size_t(j + 1) * std::size_t(row) + std::size_t(i) + 1];
+            const auto is = [](const Node& n) { return !std::isnan(n.w); };
+            // two triangles; where one node lacks, that of the other three
+            if (is(a) && is(d)) {
+                if (is(b)) drawTriangle(a, b, d, perspective, firstRow, lastRow);
+                if (is(c)) drawTriangle(a, d, c, perspective, firstRow, lastRow);
+            } else if (is(b) && is(c)) {
+                if (is(a)) drawTriangle(a, b, c, perspective, firstRow, lastRow);
+                if (is(d)) drawTriangle(b, d, c, perspective, firstRow, lastRow);
+            }
+        }
+}
+
+void SurfaceRaster::drawTriangle(const Node& a, const Node& b, const Node& c, bool perspective, int firstRow,
+                                 int lastRow)
+{
+    const float lowY = std::min({a.y, b.y, c.y}), highY = std::max({a.y, b.y, c.y});
+    const float lowX = std::min({a.x, b.x, c.x}), highX = std::max({a.x, b.x, c.x});
+    if (!(highY >= float(firstRow)) || !(lowY <= float(lastRow)) || !(highX >= 0) || !(lowX <= float(m_width)))
+        return;
+    // pixels whose middle is inside or on an edge
+    const int y0 = std::max(firstRow, int(std::ceil(std::max(lowY, -1.0f) - 0.5f)));
+    const int y1 = std::min(lastRow - 1, int(std::floor(std::min(highY, 1e6f) - 0.5f)));
+    const int x0 = std::max(0, int(std::ceil(std::max(lowX, -1.0f) - 0.5f)));
+    const int x1 = std::min(m_width - 1, int(std::floor(std::min(highX, 1e6f) - 0.5f)));
+    if (y0 > y1 || x0 > x1) return;
+    const double area = (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x);
+    if (area == 0) return;
+    const double inverse = 1.0 / area;
+    for (int y = y0; y <= y1; ++y)
+        for (int x = x0; x <= x1; ++x) {
+            const double px = x + 0.5, py = y + 0.5;
+            const double shareB = ((px - a.x) * (double(c.y) - a.y) - (py - a.y) * (double(c.x) - a.x)) * inverse;
+            const double shareC = ((double(b.x) - a.x) * (py - a.y) - (double(b.y) - a.y) * (px - a.x)) * inverse;
+            const double shareA = 1.0 - shareB - shareC;
+            // a little more than the triangle, so that no px falls between two
+            if (shareA < -1e-5 || shareB < -1e-5 || shareC < -1e-5) continue;
+            const double w = shareA * a.w + shareB * b.w + shareC * c.w;
+            const float depth = float(perspective ? 1.0 / w : w);
+            const std::size_t at = std::size_t(y) * std::size_t(m_width) + std::size_t(x);
+            if (!(depth < m_depths[at])) continue;
+            m_depths[at] = depth;
+            const auto mix = [&](float u, float v, float t) {
+                return std::uint8_t(std::clamp(shareA * u + shareB * v + shareC * t, 0.0, 255.0));
+            };
+            m_colors[at] = {mix(a.r, b.r, c.r), mix(a.g, b.g, c.g), mix(a.b, b.b, c.b), 255};
+        }
+}
+
+void SurfaceRaster::compose(Image& picture, std::span<const float> depths, bool pointsOnTop,
+                            const ResolveSettings& settings) const
+{
+    tbb::parallel_for(tbb::blocked_range<int>(0, picture.height, 16), [&](const tbb::blocked_range<int>& rows) {
+        for (int y = rows.begin(); y != rows.end(); ++y) {
+            const Rgba8 background = backgroundOf(y, picture.height, settings);
+            for (int x = 0; x < picture.width; ++x) {
+                const std::size_t at = std::size_t(y) * std::size_t(m_width) + std::size_t(x);
+                Rgba8& pixel = picture.pixels[at];
+                const float surface = m_depths[at];
+                const Rgba8 behind = surface < INFINITY ? m_colors[at] : background;
+                const double slack = m_perspective ? m_nearestSlack * double(surface) : m_nearestSlack;
+                const bool front = pointsOnTop || double(depths[at]) <= double(surface) + slack;
+                if (surface < INFINITY && !front) {
+                    pixel = behind;
+                    continue;
+                }
+                if (pixel.a == 255) continue;
+                if (pixel.a == 0 || behind.a == 0) {
+                    if (pixel.a == 0) pixel = behind;
+                    continue;
+                }
+                const auto over = [&](std::uint8_t top, std::uint8_t under) {
+                    return std::uint8_t((top * pixel.a + under * (255 - pixel.a) + 127) / 255);
+                };
+                pixel = {over(pixel.r, behind.r), over(pixel.g, behind.g), over(pixel.b, behind.b),
+                         std::uint8_t(pixel.a + behind.a * (255 - pixel.a) / 255)};
+            }
+        }
+    });
+}
+
+}  // namespace punctum::render

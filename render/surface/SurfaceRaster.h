@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/surface/Surface.h"
+#include "render/scene/Image.h"
+#include "render/scene/LayerClip.h"
+#include "render/scene/LayerProjection.h"
+#include "render/scene/ResolveSettings.h"
+#include "render/scene/TargetSize.h"
+#include "render/store/LocalFrame.h"
+#include "render/surface/SurfaceLook.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace punctum::render
+{
+
+/// The surface of one cloud, as the camera sees it.
+struct SurfaceLayer {
+    std::shared_ptr<const SurfaceView> view;
+    LayerProjection projection;  ///< that of the cloud's points
+    LocalFrame frame;
+    LayerClip clip;
+    /// px that a unit of length covers: in perspective at depth 1, in parallel anywhere.
+    double pixelsPerUnit = 1;
+};
+
+/// The ground surface as a picture with depths, drawn by the processor for every backend, and put together with the
+/// picture of the points. The same picture in the same view, whatever came before.
+///
+/// Each tile is drawn by the nodes of its grid, or every second, fourth and so on of them, so that a cell is about
+/// `cellPx` px at most. One thread calls; inside, bands of rows are drawn in parallel.
+class SurfaceRaster
+{
+public:
+    /// Of a still picture, and while the camera moves.
+    static constexpr double kFineCell = 2.0, kCoarseCell = 6.0;  // px
+
+    void draw(std::span<const SurfaceLayer> layers, const TargetSize& size, double cellPx, SurfaceLook look);
+    /// Puts the points' picture, which was made before a transparent background, in front of or behind it.
+    /// `depths`: of the points, VisibilityBuffer::depths(). `settings`: with the background that lies behind all.
+    void compose(Image& picture, std::span<const float> depths, bool pointsOnTop,
+                 const ResolveSettings& settings) const;
+
+    std::span<const float> depths() const noexcept { return m_depths; }  ///< infinity: no surface
+    std::span<const Rgba8> colors() const noexcept { return m_colors; }
+
+private:
+    struct Node {
+        float x = 0, y = 0;  ///< px
+        float w = 0;         ///< 1 / depth in perspective, depth in parallel; NaN: nothing
+        float r = 0, g = 0, b = 0;
+    };
+    struct Placed {
+        std::size_t layer = 0, tile = 0;
+        int step = 1;
+        int firstRow = 0, lastRow = 0;
+    };
+
+    void place(std::span<const SurfaceLayer> layers, double cellPx, std::vector<Placed>& placed) const;
+    void drawTile(const SurfaceLayer& layer, const SurfaceTile& tile, int step, int firstRow, int lastRow,
+                  SurfaceLook look, std::vector<Node>& nodes);
+    void drawTriangle(const Node& a, const Node& b, const Node& c, bool perspective, int firstRow, int lastRow);
+
+    int m_width = 0, m_height = 0;
+    std::vector<Rgba8> m_colors;
+    std::vector<float> m_depths;
+    double m_nearestSlack = 0;  ///< of depths, for a depth of 1 (perspective) or for all
+    bool m_perspective = true;
+};
+
+}  // namespace punctum::render

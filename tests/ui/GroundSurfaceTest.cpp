@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// The ground surface in the window by real keys and clicks: it comes and goes, follows edits, and selects.
+#include "SelectBench.h"
+
+#include "core/surface/SurfaceHeights.h"
+#include "core/task/Progress.h"
+#include "ui/surface/GroundSurface.h"
+#include "ui/view/MessageArea.h"
+#include "ui/view/ViewSettings.h"
+
+#include <QAction>
+#include <QDialog>
+#include <QDialogButtonBox>
+#include <QLabel>
+#include <QMenuBar>
+#include <QPushButton>
+
+using namespace punctum;
+using namespace punctum::ui;
+using namespace punctum::ui::test;
+
+namespace
+{
+
+/// Of any menu of the window.
+QAction* actionNamed(QWidget& window, const QString& text)
+{
+    for (QAction* action : window.findChildren<QAction*>())
+        if (QString(action->text()).remove(QLatin1Char('&')) == text) return action;
+    return nullptr;
+}
+
+}  // namespace
+
+class GroundSurfaceTest : public QObject
+{
+    Q_OBJECT
+private slots:
+    void comesAndGoes();
+    void followsAStroke();
+    void selectsByHeight();
+    void measuresAVolume();
+};
+
+void GroundSurfaceTest::comesAndGoes()
+{
+    Bench b;
+    QVERIFY(b.begin(Tool::None));
+    GroundSurface& ground = b.window->ground();
+    QVERIFY(!ground.surface(b.document));
+    const auto before = b.frame();
+    b.key(Qt::Key_G);
+    QVERIFY(ground.isOn());
+    QVERIFY(waitFor([&] { return ground.surface(b.document) && !ground.busy(); }));
+    QVERIFY(b.settle());
+    QVERIFY(waitFor([&] { return difference(before->image, b.frame()->image) > 0.2; }));
+    const auto shown = b.frame();
+    QTest::keyClick(&b.view(), Qt::Key_G, Qt::ShiftModifier);  // points on top
+    QVERIFY(waitFor([&] { return difference(shown->image, b.frame()->image) > 0.001; }));
+    b.key(Qt::Key_G);
+    QVERIFY(!ground.isOn());
+    QVERIFY(b.settle());
+    QVERIFY(waitFor([&] { return b.frame()->image == before->image; }));
+}
+
+void GroundSurfaceTest::followsAStroke()
+{
+    Bench b;
+    QVERIFY(b.begin(Tool::None));
+    QVERIFY(b.settle(QStringLiteral("Intensity")));
+    GroundSurface& ground = b.window->ground();
+    b.key(Qt::Key_G);
+    QVERIFY(waitFor([&] { return ground.surface(b.document) && !ground.busy(); }));
+    QVERIFY(b.settle());
+    const std::uint64_t version = ground.surface(b.document)->view()->version;
+    const std::size_t points = ground.surface(b.document)->groundPoints();
+    b.key(Qt::Key_B);
+    b.drag(b.at(0.45, 0.5), b.at(0.55, 0.5));
+    QVERIFY(b.done());
+    QVERIFY(b.selection().count() > 0);
+    const auto before = b.frame();
+    QVERIFY(b.runEdit([&] { b.key(Qt::Key_1); }));  // no ground any longer
+    QVERIFY(waitFor([&] { return ground.surface(b.document)->view()->version > version && !ground.busy(); }));
+    QVERIFY(ground.surface(b.document)->groundPoints() < points);
+    QVERIFY(b.settle());
+    QVERIFY(waitFor([&] { return difference(before->image, b.frame()->image) > 0.0005; }));
+    // undone, all is as it was
+    b.window->workspace().undo(*b.document);
+    QVERIFY(b.done());
+    QVERIFY(waitFor([&] { return ground.surface(b.document)->groundPoints() == points && !ground.busy(); }));
+    QVERIFY(b.settle());
+    QVERIFY(waitFor([&] { return b.frame()->image == before->image; }));
+}
+
+void GroundSurfaceTest::selectsByHeight()
+{
+    Bench b;
+    QVERIFY(b.begin(Tool::None));
+    QAction* const action = actionNamed(*b.window, QStringLiteral("Select by Height above It..."));
+    QVERIFY(action && action->isEnabled());
+    action->trigger();
+    auto* const dialog = b.window->findChild<QDialog*>(QStringLiteral("selectBySurface"));
+    QVERIFY(dialog);
+    QVERIFY(QTest::qWaitForWindowExposed(dialog));
+    const auto buttonNamed = [&](const QString& text) -> QPushButton* {
+        for (QPushButton* button : dialog->findChildren<QPushButton*>())
+            if (QString(button->text()).remove(QLatin1Char('&')) == text) return button;
+        return nullptr;
+    };
+    auto* const field = dialog->findChild<QDoubleSpinBox*>();
+    QVERIFY(field);
+    field->setValue(2.5);
+    QTest::mouseClick(buttonNamed(QStringLiteral("Above")), Qt::LeftButton);
+    QVERIFY(b.done());
+
+    Progress progress;
+    const Surface surface(b.document->cloud(), {}, progress);
+    PointSet all(b.document->points());
+    all.invert();
+    const auto expected = [&](double low, double high) {
+        return surface.withTiles([&](const SurfaceTiles& tiles) {
+            return pointsBetween(tiles, *b.document->cloud(), all, low, high, progress).count();
+        });
+    };
+    QVERIFY(b.selection().count() > 100);
+    QCOMPARE(b.selection().count(), expected(2.5000001, 1e9));
+    QTest::mouseClick(buttonNamed(QStringLiteral("Close")), Qt::LeftButton);
+    QVERIFY(b.done());
+    QCOMPARE(b.selection().count(), expected(-2.5, 2.5));
+    const PointIndex close = b.selection().count();
+    QTest::mouseClick(buttonNamed(QStringLiteral("Below")), Qt::LeftButton);
+    QVERIFY(b.done());
+    QVERIFY(b.selection().count() < close);
+    dialog->close();
+}
+
+void GroundSurfaceTest::measuresAVolume()
+{
+    Bench b;
+    QVERIFY(b.begin(Tool::None));
+    QString told;
+    connect(&b.window->workspace(), &Workspace::message, this,
+            [&told](MessageKind, const QString& text) { told = text; });
+    b.window->ground().measureVolume(400.0);
+    QVERIFY(waitFor([&] { return !told.isEmpty(); }));
+    QVERIFY2(told.contains(QStringLiteral("cut")) && told.contains(QStringLiteral("fill 0")), qPrintable(told));
+}
+
+int main(int argc, char** argv)
+{
+    return runUiTest(argc, argv, [] { return std::make_unique<GroundSurfaceTest>(); });
+}
+#include "GroundSurfaceTest.moc"
