@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/cloud/ClassNames.h"
 #include "core/cloud/PointCloud.h"
 #include "core/process/Values.h"
 
@@ -10,9 +11,6 @@ namespace punctum
 {
 
 class Progress;
-
-/// Noise of the standard: low and high.
-inline constexpr unsigned kLowNoise = 7, kHighNoise = 18;
 
 /// Reads the class of points. The columns are shared; hold cloud.mutex() shared while reading.
 class ClassReader

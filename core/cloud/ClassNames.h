@@ -9,6 +9,9 @@
 namespace punctum
 {
 
+/// Noise, below and above what is there (LAS 1.4 R15, table 17).
+inline constexpr std::uint32_t kLowNoise = 7, kHighNoise = 18;
+
 /// The standard's name of a class (LAS 1.4 R15, table 17): "Building"; empty where it has none.
 std::string_view classNameOf(std::uint32_t code) noexcept;
 

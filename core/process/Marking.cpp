@@ -2,6 +2,7 @@
 #include "core/process/Marking.h"
 
 #include "core/Error.h"
+#include "core/cloud/ClassNames.h"
 #include "core/cloud/Slabs.h"
 #include "core/edit/ClassCommand.h"
 #include "core/edit/DeleteCommand.h"
@@ -16,8 +17,6 @@ namespace punctum
 
 namespace
 {
-
-constexpr std::uint32_t kLowNoise = 7, kHighNoise = 18;  // LAS 1.4 R15, table 17
 
 /// Takes out those points whose field has the value already.
 void leaveOutMarked(const PointCloud& cloud, const Attribute& field, std::uint32_t value, PointSet& points,
