@@ -145,8 +145,8 @@ std::string presetOf(const StepParameter& parameter, const DataScale& scale)
     if (!parameter.fit.used()) return parameter.preset;
     const double meters = parameter.fit.meters / (scale.meters > 0 ? scale.meters : 1.0);
     double length = std::max(meters, parameter.fit.spacings * scale.spacing);
-    if (!(length > 0) || !std::isfinite(length)) length = 1.0;
     if (parameter.unit == StepParameter::Unit::Area) length *= length;
+    if (!(length > 0) || !std::isfinite(length)) length = 1.0;
     length = roundToTwo(length);
     if (parameter.min < parameter.max) length = std::clamp(length, parameter.min, parameter.max);
     return shortestText(length);

@@ -127,7 +127,7 @@ const StepDescription& FeaturesStep::description() const
                         .unit = StepParameter::Unit::Length},
                        {.key = "which",
                         .label = "Which",
-                        .help = "all, or names with commas between: Planarity,Verticality.",
+                        .help = "Either all, or names with commas between, such as Planarity,Verticality.",
                         .type = Type::Text,
                         .preset = "all"}},
         .shows = "Planarity"};

@@ -74,8 +74,8 @@ const StepDescription& NormalsStep::description() const
               .unit = StepParameter::Unit::Length},
              {.key = "orientation",
               .label = "Orientation",
-              .help = "up: none looks down. viewpoint: all look to a place, such as a scanner's. tree: "
-                      "neighbors agree (a spanning tree), also around walls and below roofs.",
+              .help = "With up none looks down; with viewpoint all look to a place, such as a scanner's; with "
+                      "tree neighbors agree (a spanning tree), also around walls and below roofs.",
               .type = Type::Choice,
               .preset = "up",
               .choices = {"up", "viewpoint", "tree"}},

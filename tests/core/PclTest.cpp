@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Our steps against PCL's own filters with one kd-tree over the whole cloud, on real files.
 #include "core/las/Reader.h"
+#include "core/neighbors/KdOrder.h"
 #include "core/sample/Sample.h"
 #include "core/steps/Steps.h"
 #include "core/task/Progress.h"

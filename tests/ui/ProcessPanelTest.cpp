@@ -17,6 +17,7 @@
 #include "ui/style/NumberField.h"
 #include "ui/style/Widgets.h"
 #include "ui/view/ViewSettings.h"
+#include "ui/window/MainMenu.h"
 
 #include <QComboBox>
 #include <QFile>
