@@ -182,6 +182,7 @@ void SurfaceRasterTest::pointsBeforeAndBehind()
     const Image ground = alone.bruteForce();
     DisplaySettings display = surfaceOnly(SurfaceLook::Gray);
     display.classVisible.fill(true);
+    display.classVisible[2] = false;  // the ground's own points lie in the surface, not before or behind it
     const auto changed = [&](const Camera& camera, bool onTop) {
         DisplaySettings own = display;
         own.pointsOnTop = onTop;
@@ -191,7 +192,8 @@ void SurfaceRasterTest::pointsBeforeAndBehind()
         without.renderer.setSurface(*cloud, surface.view());
         return differing(with.bruteForce(), without.bruteForce());
     };
-    QVERIFY(changed(above, false) > 2000);  // walls and ground points are seen
+    const int seen = changed(above, false);
+    QVERIFY2(seen > 300, qPrintable(QString::number(seen)));  // what stands on it is seen
     // from below, the surface is in front of all but what lies below it
     Camera below = above;
     below.pitch = 0.9;
