@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/above/Buildings.h"
 
+#include "core/Text.h"
 #include "core/above/GroundHeights.h"
 #include "core/above/PointClasses.h"
 #include "core/above/RoofAreas.h"
@@ -279,8 +280,7 @@ std::unique_ptr<Command> BuildingsStep::make(const PointCloud& cloud, const Step
     });
     if (within != nullptr) found->intersect(*within);
     auto command = makeClassCommand("Buildings to " + classLabel(code), classes, std::move(found), code);
-    if (command)
-        command->setFinding(areas.count == 1 ? "1 building." : std::to_string(areas.count) + " buildings.");
+    if (command) command->setFinding(areas.count == 1 ? "1 building." : grouped(areas.count) + " buildings.");
     return command;
 }
 

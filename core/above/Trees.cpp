@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/above/Trees.h"
 
+#include "core/Text.h"
 #include "core/above/Crowns.h"
 #include "core/above/GroundHeights.h"
 #include "core/above/PointClasses.h"
@@ -186,7 +187,7 @@ std::unique_ptr<Command> TreesStep::make(const PointCloud& cloud, const StepValu
     } else {
         const auto [low, high] = std::minmax_element(highest.begin(), highest.end());
         const std::string unit = trueLengths(cloud).unit;
-        command->setFinding((highest.size() == 1 ? "1 tree" : std::to_string(highest.size()) + " trees") +
+        command->setFinding((highest.size() == 1 ? "1 tree" : grouped(highest.size()) + " trees") +
                             (highest.size() == 1 ? ", height " : ", heights " + lengthOfOneDecimal(*low) + " to ") +
                             lengthOfOneDecimal(*high) + (unit.empty() ? "" : " " + unit) + ".");
     }

@@ -2,6 +2,7 @@
 #include "core/ground/Ground.h"
 
 #include "core/Error.h"
+#include "core/Text.h"
 #include "core/cloud/Slabs.h"
 #include "core/edit/ClassCommand.h"
 #include "core/ground/GroundSurface.h"
@@ -210,8 +211,7 @@ std::unique_ptr<Command> GroundStep::make(const PointCloud& cloud, const StepVal
         [&](PointIndex i) { codes.push_back(std::byte(ground.contains(i) ? kGroundClass : kOtherClass)); });
     auto command = makeClassCommand("Ground", classes, std::move(changed), std::move(codes));
     if (command != nullptr)
-        command->setFinding(std::to_string(found.load()) + (found.load() == 1 ? " point" : " points") +
-                            " of ground.");
+        command->setFinding(grouped(found.load()) + (found.load() == 1 ? " point" : " points") + " of ground.");
     return command;
 }
 

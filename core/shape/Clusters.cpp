@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/shape/Clusters.h"
 
+#include "core/Text.h"
 #include "core/neighbors/Neighbors.h"
 #include "core/process/FilledAttribute.h"
 #include "core/process/Values.h"
@@ -129,7 +130,7 @@ std::unique_ptr<Command> ClustersStep::make(const PointCloud& cloud, const StepV
     forMembers([&](std::uint32_t p) { ids.set(p, double(counts[sets.root(p)])); });
 
     auto command = std::make_unique<AttributesCommand>("Clusters", std::vector<Attribute>{ids.attribute()});
-    command->setFinding(std::to_string(clusters.size()) + (clusters.size() == 1 ? " cluster." : " clusters."));
+    command->setFinding(grouped(clusters.size()) + (clusters.size() == 1 ? " cluster." : " clusters."));
     return command;
 }
 
