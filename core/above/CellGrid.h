@@ -42,7 +42,7 @@ public:
         const std::size_t block = cell / kBlock;
         std::int32_t x = std::int32_t(cell % kSide) + dx, y = std::int32_t(cell % kBlock / kSide) + dy;
         const std::int32_t bx = x < 0 ? 0 : x < kSide ? 1 : 2, by = y < 0 ? 0 : y < kSide ? 1 : 2;
-        const std::uint32_t other = m_around[block][std::size_t(by * 3 + bx)];
+        const std::uint32_t other = m_around[block][3 * std::size_t(by) + std::size_t(bx)];
         if (other == UINT32_MAX) return kNone;
         x &= kSide - 1;
         y &= kSide - 1;

@@ -62,7 +62,8 @@ std::vector<float> blurredSurface(const CellGrid& grid, const std::vector<float>
         float sum = 0, weight = 0;
         forCellsAround(grid, cell, reach, [&](std::size_t other, std::int32_t dx, std::int32_t dy) {
             if (surface[other] < 0) return;
-            const float w = weights[std::size_t(dx + reach)] * weights[std::size_t(dy + reach)];
+            const std::int32_t column = dx + reach, row = dy + reach;
+            const float w = weights[std::size_t(column)] * weights[std::size_t(row)];
             sum += w * surface[other];
             weight += w;
         });

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <tuple>
 #include <vector>
 
 namespace punctum
@@ -24,7 +25,11 @@ public:
     /// Raw coordinates.
     struct Place {
         std::int32_t x = 0, y = 0, z = 0;
-        friend auto operator<=>(const Place&, const Place&) = default;
+        friend bool operator==(const Place&, const Place&) = default;
+        friend bool operator<(const Place& a, const Place& b) noexcept
+        {
+            return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+        }
     };
     /// Box of raw coordinates; empty when min > max.
     struct Box {

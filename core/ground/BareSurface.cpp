@@ -118,8 +118,8 @@ CellMarks objectsIn(const HeightGrid& heights, const HeightGrid& surface, float 
         const float tolerance = step * s.meter + slope * float(radius) * s.cell;
         forRows(last.width, last.height, [&](int first, int end) {
             for (std::size_t k = last.index(0, first); k < last.index(0, end); ++k) {
-                const float most_k = tolerance + (extra != nullptr ? extra->z[k] : 0.0f);
-                if (last.z[k] - opened.z[k] > most_k) objects[k] = 1;
+                const float atMost = tolerance + (extra != nullptr ? extra->z[k] : 0.0f);
+                if (last.z[k] - opened.z[k] > atMost) objects[k] = 1;
             }
         });
         last = std::move(opened);

@@ -115,6 +115,7 @@ void GroundSurface::solve(std::int64_t x, std::int64_t y, std::int64_t side, con
     lowest = cutTo(lowest, box);
     across.low += box.x;
     up.low += box.y;
+    const std::int64_t firstColumn = across.low, firstRow = up.low;
     const int width = box.width, height = box.height;
     const BareSurface surface = bareSurface(std::move(lowest), settings, progress);
     const auto& squares = m_lowest->squares();
@@ -124,8 +125,8 @@ void GroundSurface::solve(std::int64_t x, std::int64_t y, std::int64_t side, con
         float* const heights = m_values.data() + k * 2 * kValues;
         for (int v = 0; v < kWide; ++v)
             for (int u = 0; u < kWide; ++u) {
-                const int gx = int(std::clamp<std::int64_t>(left - 1 + u - across.low, 0, width - 1));
-                const int gy = int(std::clamp<std::int64_t>(low - 1 + v - up.low, 0, height - 1));
+                const int gx = int(std::clamp<std::int64_t>(left - 1 + u - firstColumn, 0, width - 1));
+                const int gy = int(std::clamp<std::int64_t>(low - 1 + v - firstRow, 0, height - 1));
                 const std::size_t to = std::size_t(v) * std::size_t(kWide) + std::size_t(u);
                 heights[to] = surface.heights.at(gx, gy);
                 heights[kValues + to] = surface.tolerance.at(gx, gy);

@@ -7,9 +7,9 @@
 
 #include <array>
 #include <cmath>
-#include <compare>
 #include <cstdint>
 #include <span>
+#include <tuple>
 #include <vector>
 
 namespace punctum
@@ -29,7 +29,11 @@ public:
 
     struct Square {
         std::int64_t x = 0, y = 0;  ///< in squares
-        friend auto operator<=>(const Square&, const Square&) = default;
+        friend bool operator==(const Square&, const Square&) = default;
+        friend bool operator<(const Square& a, const Square& b) noexcept
+        {
+            return std::tie(a.x, a.y) < std::tie(b.x, b.y);
+        }
     };
     /// Where a point is in the grid.
     struct Place {

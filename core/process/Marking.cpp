@@ -93,7 +93,7 @@ std::unique_ptr<Command> markPoints(const std::string& name, const PointCloud& c
 
 std::shared_ptr<const PointSet> pointsLeftOut(const PointCloud& cloud, bool noise, Progress& progress)
 {
-    const auto deleted = deletedPoints(cloud);
+    std::shared_ptr<const PointSet> deleted = deletedPoints(cloud);
     if (!noise) return deleted;
     Attribute classes;
     {

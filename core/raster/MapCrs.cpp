@@ -97,7 +97,7 @@ MapCrs mapCrs(const PointCloud& cloud)
     MapCrs map;
     map.units = cloud.units();
     map.geographic = map.units.kind == CoordinateUnits::Kind::Degrees;
-    const auto source = cloud.source();
+    const auto source = cloud.source();  // NOLINT(performance-unnecessary-copy-initialization): may be replaced
     if (!source || source->crs.empty()) return map;
     map.text = source->crs;
     const proj::Context context = proj::makeContext();

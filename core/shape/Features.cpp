@@ -140,6 +140,7 @@ std::unique_ptr<Command> FeaturesStep::make(const PointCloud& cloud, const StepV
     const std::vector<Feature> features = featuresOf(textValue(values, "which"));
     if (cloud.size() == 0 || features.empty()) return nullptr;
     std::vector<FilledAttribute> filled;
+    filled.reserve(features.size());
     for (const Feature& f : features)
         filled.emplace_back(cloud, FilledAttribute::Description{f.name, f.description});
     const auto radius = realValue(values, "radius");
@@ -155,6 +156,7 @@ std::unique_ptr<Command> FeaturesStep::make(const PointCloud& cloud, const StepV
         forEachNearest(*places, std::size_t(*integerValue(values, "k")), "Looking at neighborhoods", progress,
                        visit, within);
     std::vector<Attribute> attributes;
+    attributes.reserve(filled.size());
     for (const FilledAttribute& f : filled) attributes.push_back(f.attribute());
     return std::make_unique<AttributesCommand>("Features of shape", std::move(attributes));
 }

@@ -235,6 +235,7 @@ void SurfaceNetMaker::takeHull()
     });
     keepHull(outer);
     std::vector<std::array<double, 2>> coarse;
+    coarse.reserve(outer.size());
     for (const SurfacePoint& p : outer) coarse.push_back({double(p.x), double(p.y)});
     m_tiles.forTilesIn(m_far, [&](std::size_t tile) {
         if (isInHull(coarse, m_tiles.m_boxes[tile])) return;

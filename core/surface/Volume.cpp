@@ -31,13 +31,13 @@ bool isInPolygon(const std::vector<glm::dvec2>& polygon, const glm::dvec2& p) no
     return inside;
 }
 
-/// How far each vertex in a tile is from the plane through its neighbors' mean, whose slope is that of its
-/// triangles: what it would be taken for were it not there. In raw steps of Z.
+/// How far each vertex in a tile is from the plane through its neighbors' mean, whose slope is the mean of its
+/// triangles' by their areas: what it would be taken for were it not there. In raw steps of Z.
 void addResiduals(const SurfaceNet& net, const RawRect& box, std::vector<float>& residuals)
 {
     const auto vertices = net.triangles.vertices();
     struct Sums {
-        double z = 0, x = 0, y = 0, slopeX = 0, slopeY = 0;
+        double z = 0, x = 0, y = 0, slopeX = 0, slopeY = 0, area = 0;
         int neighbors = 0;
         bool whole = true;  ///< all about it is surface
     };
@@ -46,14 +46,18 @@ void addResiduals(const SurfaceNet& net, const RawRect& box, std::vector<float>&
         const auto& v = net.triangles.triangles()[t];
         const bool counts = net.counts(t);
         const std::array<double, 2> slope = net.triangles.slopeOf(t);
+        const SurfacePoint &a = vertices[v[0]], &b = vertices[v[1]], &c = vertices[v[2]];
+        const double area = std::abs((double(b.x) - a.x) * (double(c.y) - a.y) -
+                                     (double(c.x) - a.x) * (double(b.y) - a.y));  // twice; slivers tell little
         for (std::size_t i = 0; i < 3; ++i) {
             Sums& s = sums[v[i]];
             const SurfacePoint& next = vertices[v[(i + 1) % 3]];  // each neighbor is the next one once
             s.z += next.z;
             s.x += next.x;
             s.y += next.y;
-            s.slopeX += slope[0];
-            s.slopeY += slope[1];
+            s.slopeX += slope[0] * area;
+            s.slopeY += slope[1] * area;
+            s.area += area;
             ++s.neighbors;
             s.whole = s.whole && counts && net.triangles.neighbors()[t][i] != Triangulation::kNone;
         }
@@ -61,9 +65,9 @@ void addResiduals(const SurfaceNet& net, const RawRect& box, std::vector<float>&
     for (std::size_t v = 0; v < vertices.size(); ++v) {
         const Sums& s = sums[v];
         const SurfacePoint& p = vertices[v];
-        if (!s.whole || s.neighbors < 3 || !box.holds(p.x, p.y)) continue;
+        if (!s.whole || s.neighbors < 3 || !(s.area > 0) || !box.holds(p.x, p.y)) continue;
         const double n = s.neighbors;
-        const double expected = s.z / n + s.slopeX / n * (p.x - s.x / n) + s.slopeY / n * (p.y - s.y / n);
+        const double expected = s.z / n + s.slopeX / s.area * (p.x - s.x / n) + s.slopeY / s.area * (p.y - s.y / n);
         // the mean of n has an error, too
         residuals.push_back(float((double(p.z) - expected) / std::sqrt(1.0 + 1.0 / n)));
     }
@@ -127,6 +131,7 @@ std::vector<glm::dvec2> outlineOf(const PointCloud& cloud, const PointSet& point
         std::reverse(all.begin(), all.end());
     }
     std::vector<glm::dvec2> outline;
+    outline.reserve(hull.size());
     for (const SurfacePoint& p : hull) outline.push_back(glm::dvec2(cloud.world(p.index)));
     return outline;
 }

@@ -61,7 +61,7 @@ std::vector<StepParameter> thinnedParameters()
 std::shared_ptr<const PointSet> notThinned(const PointCloud& cloud, const PointSet* within, Progress& progress)
 {
     progress.check();
-    const auto deleted = deletedPoints(cloud);
+    std::shared_ptr<const PointSet> deleted = deletedPoints(cloud);
     if (within == nullptr) return deleted;
     auto out = std::make_shared<PointSet>(*within);
     out->invert();

@@ -193,10 +193,12 @@ void ProcessTest::errorsSayWhatToDo_data()
                            << "Name a step, such as \"normals k=16\"; --list-steps tells which there are.";
     QTest::newRow("unknown") << "sharpen k=3"
                              << "There is no step \"sharpen\"; --list-steps tells which there are.";
-    QTest::newRow("key") << "normals n=3"
-                         << "normals has no key \"n\"; its keys are k and radius.";
-    QTest::newRow("no value") << "normals k"
-                              << "normals: write \"k\" as key=value; its keys are k and radius.";
+    QTest::newRow("key")
+        << "normals n=3"
+        << "normals has no key \"n\"; its keys are k, radius, orientation, viewpoint and curvature.";
+    QTest::newRow("no value")
+        << "normals k"
+        << "normals: write \"k\" as key=value; its keys are k, radius, orientation, viewpoint and curvature.";
     QTest::newRow("twice") << "normals k=3 k=4"
                            << "normals: k is given twice.";
     QTest::newRow("not a number") << "normals k=many"
