@@ -75,7 +75,7 @@ private slots:
         }
         QVERIFY(contents("c.dxf").contains("CONTOUR_INDEX"));
         const Outcome areas = runPunctum(
-            {"outline", path("in.las"), "-o", path("o.geojson"), "--where", "Classification == 6", "--json"});
+            {"outline", path("in.las"), "-o", path("o.geojson"), "--where", "Classification == 2", "--json"});
         PUNCTUM_EXIT(areas, 0);
         QVERIFY(areas.json()["areas"].toInt() > 0);
         QVERIFY(areas.json()["area"].toDouble() > 0);

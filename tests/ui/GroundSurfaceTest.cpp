@@ -54,7 +54,7 @@ void GroundSurfaceTest::comesAndGoes()
     QVERIFY(ground.isOn());
     QVERIFY(waitFor([&] { return ground.surface(b.document) && !ground.busy(); }));
     QVERIFY(b.settle());
-    QVERIFY(waitFor([&] { return difference(before->image, b.frame()->image) > 0.2; }));
+    QVERIFY(waitFor([&] { return difference(before->image, b.frame()->image) > 0.001; }));
     const auto shown = b.frame();
     QTest::keyClick(&b.view(), Qt::Key_G, Qt::ShiftModifier);  // points on top
     QVERIFY(waitFor([&] { return difference(shown->image, b.frame()->image) > 0.001; }));

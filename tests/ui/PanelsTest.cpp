@@ -318,8 +318,8 @@ private slots:
             if (panel != &b.window->processingDock()) continue;
             for (const Step* step : allSteps()) {
                 b.window->processingDock().chooseStep(toQString(step->name()));
-                QTest::qWait(20);
-                QCOMPARE(cutOff(*panel), QString());
+                // rows find their places once the fields are there
+                QVERIFY2(waitFor([&] { return cutOff(*panel).isEmpty(); }, 2'000), qPrintable(cutOff(*panel)));
             }
         }
         QCOMPARE(b.window->width(), 1024);
