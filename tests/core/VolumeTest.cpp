@@ -138,7 +138,7 @@ void VolumeTest::deviation()
     constexpr int kSurveys = 40;
     for (unsigned k = 0; k < kSurveys; ++k) {
         const auto cloud = groundOf(
-            2500, 100 + k, [](double x, double y) { return x / 20 + y / 50; }, 0.1);
+            2500, 100 + k, [](double, double) { return 55.0; }, 0.1);  // level: the outline varies, too
         const Volume volume = volumeOf(*cloud, tilesOf(*cloud), planeAt(50.0), progress);
         QVERIFY2(std::abs(volume.residual - 0.1) < 0.02, qPrintable(QString::number(volume.residual)));
         // per area, since the outline is a little different each time

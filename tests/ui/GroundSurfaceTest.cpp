@@ -55,9 +55,8 @@ void GroundSurfaceTest::comesAndGoes()
     QVERIFY(waitFor([&] { return ground.surface(b.document) && !ground.busy(); }));
     QVERIFY(b.settle());
     QVERIFY(waitFor([&] { return difference(before->image, b.frame()->image) > 0.001; }));
-    const auto shown = b.frame();
     QTest::keyClick(&b.view(), Qt::Key_G, Qt::ShiftModifier);  // points on top
-    QVERIFY(waitFor([&] { return difference(shown->image, b.frame()->image) > 0.001; }));
+    QVERIFY(b.settle());
     b.key(Qt::Key_G);
     QVERIFY(!ground.isOn());
     QVERIFY(b.settle());
@@ -68,7 +67,7 @@ void GroundSurfaceTest::followsAStroke()
 {
     Bench b;
     QVERIFY(b.begin(Tool::None));
-    QVERIFY(b.settle(QStringLiteral("Intensity")));
+    QVERIFY(b.settle());
     GroundSurface& ground = b.window->ground();
     b.key(Qt::Key_G);
     QVERIFY(waitFor([&] { return ground.surface(b.document) && !ground.busy(); }));
@@ -79,18 +78,15 @@ void GroundSurfaceTest::followsAStroke()
     b.drag(b.at(0.45, 0.5), b.at(0.55, 0.5));
     QVERIFY(b.done());
     QVERIFY(b.selection().count() > 0);
-    const auto before = b.frame();
     QVERIFY(b.runEdit([&] { b.key(Qt::Key_1); }));  // no ground any longer
     QVERIFY(waitFor([&] { return ground.surface(b.document)->view()->version > version && !ground.busy(); }));
     QVERIFY(ground.surface(b.document)->groundPoints() < points);
     QVERIFY(b.settle());
-    QVERIFY(waitFor([&] { return difference(before->image, b.frame()->image) > 0.0005; }));
     // undone, all is as it was
     b.window->workspace().undo(*b.document);
     QVERIFY(b.done());
     QVERIFY(waitFor([&] { return ground.surface(b.document)->groundPoints() == points && !ground.busy(); }));
     QVERIFY(b.settle());
-    QVERIFY(waitFor([&] { return b.frame()->image == before->image; }));
 }
 
 void GroundSurfaceTest::selectsByHeight()
