@@ -121,7 +121,7 @@ void GroundSurfaceTest::selectsByHeight()
     };
     QVERIFY(b.selection().count() > 100);
     QCOMPARE(b.selection().count(), expected(2.5000001, 1e9));
-    QTest::mouseClick(buttonNamed(QStringLiteral("Close")), Qt::LeftButton);
+    QTest::mouseClick(buttonNamed(QStringLiteral("Near")), Qt::LeftButton);
     QVERIFY(b.done());
     QCOMPARE(b.selection().count(), expected(-2.5, 2.5));
     const PointIndex close = b.selection().count();

@@ -437,7 +437,7 @@ void GroundSurface::askSelection()
     };
     add(tr("&Above"), tr("Points more than this above the surface"),
         [this](double d) { select(std::nextafter(d, kInfinity), kInfinity); });
-    add(tr("&Close"), tr("Points not further than this above or below it"), [this](double d) { select(-d, d); });
+    add(tr("&Near"), tr("Points not further than this above or below it"), [this](double d) { select(-d, d); });
     add(tr("&Below"), tr("Points more than this below the surface"),
         [this](double d) { select(-kInfinity, std::nextafter(-d, -kInfinity)); });
     connect(buttons, &QDialogButtonBox::rejected, m_dialog, &QDialog::reject);
