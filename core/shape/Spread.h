@@ -14,7 +14,7 @@ struct Spread {
     Vector mean{};
     Vector values{};  ///< variances along the axes, rising; none is negative
     Vector least{};   ///< unit vector along which they spread least: the normal of the plane of least squares; zero
-                     ///< where none is singled out (fewer than three points, or all on a line)
+                      ///< where none is singled out (fewer than three points, or all on a line)
 
     /// The greatest one, and the shares of all: l1 >= l2 >= l3.
     double l1() const noexcept { return values[2]; }

@@ -127,7 +127,8 @@ signals:
                  const punctum::ui::Document* about);
     void jobStarted(quint64 id, const QString& title, bool quiet);
     void jobEnded(const punctum::JobInfo& info);
-    /// Of run() and of the Process panel. `changed`: points whose values differ now; `error`: empty unless it failed.
+    /// Of run() and of the Process panel. `changed`: points whose values differ now; `error`: empty unless it
+    /// failed.
     void stepEnded(quint64 job, const QString& title, quint64 changed, const QStringList& newAttributes,
                    const punctum::JobInfo& info);
     void saved(punctum::ui::Document* document);

@@ -116,8 +116,7 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     addMeasureMenu(*m_menus, *m_measureTools, *m_measurements, *m_measureDock);
     const MainView main{*m_workspace, *m_renderer, *m_view, *m_filter, *m_viewScope, *m_shown, *m_viewport};
     m_ground = new GroundSurface(main, *m_menus, *m_selection);
-    m_sections = new Sections(main,
-                              *m_menus, *m_selectTools, *m_measureTools, *views, *m_settings);
+    m_sections = new Sections(main, *m_menus, *m_selectTools, *m_measureTools, *views, *m_settings);
     m_ground->showIn(*m_sections);
     m_places = new Places(*m_menus, *m_workspace, *m_viewport, *m_settings);
     m_screenshots = new Screenshots(*this, *m_workspace, *m_viewport, *m_sections, *m_measurements, *m_settings);
