@@ -197,12 +197,7 @@ const StepDescription& BuildingsStep::description() const
                         .type = Type::ClassCodes,
                         .preset = "0-1,3-6",
                         .advanced = true},
-                       {.key = "ground",
-                        .label = "Ground",
-                        .help = "The classes that are ground, where heights are to be measured.",
-                        .type = Type::ClassCodes,
-                        .preset = "2",
-                        .advanced = true}},
+                       groundParameter("The classes that are ground, where heights are to be measured.")},
         .shows = "Classification"};
     return about;
 }

@@ -98,6 +98,16 @@ std::vector<float> keptHeights(const PointCloud& cloud, Progress& progress)
 
 }  // namespace
 
+StepParameter groundParameter(std::string help)
+{
+    return {.key = "ground",
+            .label = "Ground",
+            .help = std::move(help),
+            .type = StepParameter::Type::ClassCodes,
+            .preset = "2",
+            .advanced = true};
+}
+
 GroundTree groundOf(const PointCloud& cloud, const ClassSet& classes, const std::string& name, Progress& progress)
 {
     const PointSet ground = pointsOfClasses(cloud, classes, progress);
@@ -111,10 +121,10 @@ GroundTree groundOf(const PointCloud& cloud, const ClassSet& classes, const std:
     return GroundTree(cloud, ground, scale, progress);
 }
 
-void measureHeights(const PointCloud& cloud, const GroundTree& ground, GroundSurface surface, std::size_t k,
+void measureHeights(const PointCloud& cloud, const GroundTree& ground, GroundModel surface, std::size_t k,
                     const PointSet* within, Progress& progress, const HeightVisitor& visit)
 {
-    if (surface == GroundSurface::Triangulated) {
+    if (surface == GroundModel::Triangulated) {
         measureTriangulated(cloud, ground, within, progress, visit);
         return;
     }
@@ -134,7 +144,7 @@ std::vector<float> heightsAboveGround(const PointCloud& cloud, const ClassSet& g
     if (!heights.empty()) return heights;
     const GroundTree tree = groundOf(cloud, ground, name, progress);
     heights.assign(cloud.size(), std::numeric_limits<float>::quiet_NaN());
-    measureHeights(cloud, tree, GroundSurface::Triangulated, kGroundNeighbors, nullptr, progress,
+    measureHeights(cloud, tree, GroundModel::Triangulated, kGroundNeighbors, nullptr, progress,
                    [&](PointIndex i, double height) { heights[i] = float(height); });
     return heights;
 }

@@ -15,11 +15,14 @@ namespace punctum
 inline constexpr const char* kHeightName = "HeightAboveGround";
 
 /// What stands for the ground between its points.
-enum class GroundSurface {
+enum class GroundModel {
     Triangulated,  ///< the Delaunay triangulation of its points; beyond its rim the nearest point
     Nearest,       ///< the mean of the nearest points' heights, by the inverse of their distances
 };
-inline constexpr std::size_t kGroundNeighbors = 3;  ///< of GroundSurface::Nearest
+inline constexpr std::size_t kGroundNeighbors = 3;  ///< of GroundModel::Nearest
+
+/// The parameter `ground`, the classes that are ground: of all steps that need heights.
+StepParameter groundParameter(std::string help);
 
 /// The ground of a cloud. Throws Cancelled, and Error where there is none, named as a need of the step `name`.
 GroundTree groundOf(const PointCloud& cloud, const ClassSet& classes, const std::string& name, Progress& progress);
@@ -28,9 +31,9 @@ GroundTree groundOf(const PointCloud& cloud, const ClassSet& classes, const std:
 using HeightVisitor = std::function<void(PointIndex point, double height)>;
 
 /// The heights above the ground of the points of `within` (null: all) that are not deleted. `k`: of
-/// GroundSurface::Nearest. Points of the ground have height 0 where no other is in the same place. The same on any
+/// GroundModel::Nearest. Points of the ground have height 0 where no other is in the same place. The same on any
 /// number of threads, and however the points are dealt out to files. Throws Cancelled.
-void measureHeights(const PointCloud& cloud, const GroundTree& ground, GroundSurface surface, std::size_t k,
+void measureHeights(const PointCloud& cloud, const GroundTree& ground, GroundModel surface, std::size_t k,
                     const PointSet* within, Progress& progress, const HeightVisitor& visit);
 
 /// The height of each point for a step that needs them: those of the attribute HeightAboveGround where every point

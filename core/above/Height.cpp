@@ -36,12 +36,7 @@ const StepDescription& HeightStep::description() const
                         .min = 1,
                         .max = 100,
                         .advanced = true},
-                       {.key = "ground",
-                        .label = "Ground",
-                        .help = "The classes that are ground.",
-                        .type = Type::ClassCodes,
-                        .preset = "2",
-                        .advanced = true}},
+                       groundParameter("The classes that are ground.")},
         .shows = kHeightName};
     return about;
 }
@@ -56,7 +51,7 @@ std::unique_ptr<Command> HeightStep::make(const PointCloud& cloud, const StepVal
                                     .unset = std::numeric_limits<double>::quiet_NaN()});
     const GroundTree ground = groundOf(cloud, classesValue(values, "ground"), "height", progress);
     const bool nearest = textValue(values, "method") == "nearest";
-    measureHeights(cloud, ground, nearest ? GroundSurface::Nearest : GroundSurface::Triangulated,
+    measureHeights(cloud, ground, nearest ? GroundModel::Nearest : GroundModel::Triangulated,
                    std::size_t(*integerValue(values, "neighbors")), within, progress,
                    [&](PointIndex i, double height) { heights.set(i, height); });
     return std::make_unique<AttributesCommand>("Height above ground", std::vector{heights.attribute()});

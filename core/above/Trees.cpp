@@ -115,12 +115,7 @@ const StepDescription& TreesStep::description() const
               .type = Type::ClassCodes,
               .preset = "0-1,3-5,8,12",
               .advanced = true},
-             {.key = "ground",
-              .label = "Ground",
-              .help = "The classes that are ground, where heights are to be measured.",
-              .type = Type::ClassCodes,
-              .preset = "2",
-              .advanced = true}},
+             groundParameter("The classes that are ground, where heights are to be measured.")},
         .shows = kTreeName};
     return about;
 }

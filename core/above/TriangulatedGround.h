@@ -6,7 +6,7 @@
 namespace punctum
 {
 
-/// measureHeights() with GroundSurface::Triangulated.
+/// measureHeights() with GroundModel::Triangulated.
 ///
 /// The ground is triangulated piece by piece (some thousand of its points and a margin), so that memory is bounded.
 /// A triangle counts where the circle through its corners lies in the piece: it is then one of the triangulation of

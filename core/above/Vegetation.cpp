@@ -61,12 +61,7 @@ const StepDescription& VegetationStep::description() const
                        code("low-class", "Class of low", "The class that low vegetation gets.", "3"),
                        code("medium-class", "Class of medium", "The class that medium vegetation gets.", "4"),
                        code("high-class", "Class of high", "The class that high vegetation gets.", "5"),
-                       {.key = "ground",
-                        .label = "Ground",
-                        .help = "The classes that are ground, where heights are to be measured.",
-                        .type = Type::ClassCodes,
-                        .preset = "2",
-                        .advanced = true}},
+                       groundParameter("The classes that are ground, where heights are to be measured.")},
         .shows = "Classification"};
     return about;
 }

@@ -121,7 +121,7 @@ std::unique_ptr<Command> DuplicatesStep::make(const PointCloud& cloud, const Ste
         std::sort(sorted.begin(), sorted.end(), before);
         for (std::size_t k = 1; k < sorted.size(); ++k)
             if (sorted[k].place == sorted[k - 1].place && sameValues(sorted[k].point, sorted[k - 1].point))
-                insertShared(*points, sorted[k].point);
+                points->insertShared(sorted[k].point);
         progress.add(sorted.size());
     });
     progress.check();

@@ -104,7 +104,7 @@ std::unique_ptr<Command> IsolatedStep::make(const PointCloud& cloud, const StepV
         for (const auto& cell : buckets[b].sparse) {
             const bool isolated = pointsAround(counts, cell.key, most) <= most;
             for (std::uint32_t k = 0; k < cell.count; ++k, ++point)
-                if (isolated) insertShared(*points, *point);
+                if (isolated) points->insertShared(*point);
         }
         progress.add(1);
     });

@@ -18,8 +18,6 @@ namespace punctum
 namespace
 {
 
-constexpr std::uint32_t kLowClass = 7, kHighClass = 18;  // LAS 1.4 R15, table 17: high noise from format 6 on
-
 /// A column's lowest points, heights rising.
 struct LowColumn {
     CellKey key{};
@@ -115,7 +113,7 @@ private:
             if (double(heights[group] - heights[group - 1]) * step < m_gap) continue;
             for (std::size_t k = 0; k < column.count; ++k)
                 if (bucket.heights[column.first + k] < heights[group])
-                    insertShared(found, bucket.points[column.first + k]);
+                    found.insertShared(bucket.points[column.first + k]);
             return;
         }
     }
@@ -130,7 +128,7 @@ private:
 /// Whether the classes are whole bytes, as in point formats 6 to 10, where 18 is high noise.
 std::uint32_t highClass(const Attribute& classes)
 {
-    return classes.maxBits() >= 255 ? kHighClass : kLowClass;
+    return classes.maxBits() >= 255 ? kHighNoise : kLowNoise;
 }
 
 }  // namespace

@@ -119,7 +119,7 @@ std::unique_ptr<Command> OutliersStep::make(const PointCloud& cloud, const StepV
         for (std::size_t i = firstWord * 64; i < last; ++i)
             if (double(distances[i]) > threshold) points->insert(i);
     });
-    leaveOutClass(*points, cloud, classes, code, progress);
+    leaveOutValue(*points, cloud, classes, code, progress);
     if (within != nullptr) points->intersect(*within);
     return makeClassCommand("Outliers to " + classLabel(code), classes, std::move(points), code);
 }

@@ -6,8 +6,6 @@
 #include "core/process/Values.h"
 #include "core/task/Progress.h"
 
-#include <atomic>
-
 namespace punctum
 {
 
@@ -57,13 +55,11 @@ std::unique_ptr<Command> RadiusOutliersStep::make(const PointCloud& cloud, const
     forEachCount(
         *places, *realValue(values, "radius"), enough, "Counting neighbors", progress,
         [&](std::uint32_t point, std::size_t count) {
-            if (count >= enough) return;
-            std::atomic_ref word(lonely->words()[point / 64]);
-            word.fetch_or(std::uint64_t(1) << (point % 64), std::memory_order_relaxed);
+            if (count < enough) lonely->insertShared(point);
         },
         within);
     progress.begin("Telling outliers", cloud.size());
-    leaveOutClass(*lonely, cloud, classes, code, progress);
+    leaveOutValue(*lonely, cloud, classes, code, progress);
     return makeClassCommand("Radius outliers to " + classLabel(code), classes, std::move(lonely), code);
 }
 

@@ -16,7 +16,7 @@ namespace punctum
 {
 
 /// A set of points of one cloud: a bit for each index. 64 neighboring points share a word, so that parallel
-/// writers must own whole words.
+/// writers own whole words, or call insertShared().
 ///
 /// Where none of 32,768 neighboring points was ever put in, these cost no memory; a set of none, and one of all
 /// (all()) that nobody changed, cost none at all and are asked in no time. So writers in parallel better leave
@@ -81,6 +81,12 @@ public:
     {
         touch();
         m_words.data()[i / 64] |= std::uint64_t(1) << (i % 64);
+    }
+    /// From any number of threads at once, also where they share a word.
+    void insertShared(PointIndex i) noexcept
+    {
+        touch();
+        std::atomic_ref(m_words.data()[i / 64]).fetch_or(std::uint64_t(1) << (i % 64), std::memory_order_relaxed);
     }
     void insert(PointRange range) noexcept
     {

@@ -132,13 +132,13 @@ std::unique_ptr<Command> makeClassCommand(std::string name, const Attribute& cla
     return std::make_unique<ValueCommand>(std::move(name), classes, std::move(points), std::move(codes));
 }
 
-void leaveOutClass(PointSet& points, const PointCloud& cloud, const Attribute& classes, std::uint32_t code,
+void leaveOutValue(PointSet& points, const PointCloud& cloud, const Attribute& field, std::uint32_t value,
                    Progress& progress)
 {
-    if (code > classes.maxBits()) return;  // the field cannot hold it: no point has it yet
-    const std::uint8_t* const byte = classes.columns[0]->values<std::uint8_t>().data();
-    const auto mask = std::uint8_t(classes.maxBits() << classes.bitShift);
-    const auto bits = std::uint8_t(code << classes.bitShift);
+    if (value > field.maxBits()) return;  // the field cannot hold it: no point has it yet
+    const std::uint8_t* const byte = field.columns[0]->values<std::uint8_t>().data();
+    const auto mask = std::uint8_t(field.maxBits() << field.bitShift);
+    const auto bits = std::uint8_t(value << field.bitShift);
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
         points.forEachInWords(firstWord, lastWord, [&](PointIndex i) {
             if ((byte[i] & mask) == bits) points.remove(i);

@@ -30,9 +30,9 @@ std::unique_ptr<Command> makeClassCommand(std::string name, const Attribute& cla
 std::unique_ptr<Command> makeClassCommand(std::string name, const Attribute& classes,
                                           std::shared_ptr<const PointSet> points, std::vector<std::byte> codes);
 
-/// Takes the points out of the set that have the class already. Counts points in a stage of `progress` that the
-/// caller has begun. Throws Cancelled.
-void leaveOutClass(PointSet& points, const PointCloud& cloud, const Attribute& classes, std::uint32_t code,
+/// Takes the points out of the set whose field, a byte or bits of one, has the value already: a class, a flag.
+/// Counts points in a stage of `progress` that the caller has begun. Throws Cancelled.
+void leaveOutValue(PointSet& points, const PointCloud& cloud, const Attribute& field, std::uint32_t value,
                    Progress& progress);
 
 }  // namespace punctum

@@ -9,7 +9,6 @@
 #include "core/process/Values.h"
 #include "core/task/Progress.h"
 
-#include <atomic>
 #include <utility>
 
 namespace punctum
@@ -17,22 +16,6 @@ namespace punctum
 
 namespace
 {
-
-/// Takes out those points whose field has the value already.
-void leaveOutMarked(const PointCloud& cloud, const Attribute& field, std::uint32_t value, PointSet& points,
-                    Progress& progress)
-{
-    if (value > field.maxBits()) return;  // the field cannot hold it: no point has it yet
-    const std::uint8_t* const byte = field.columns[0]->values<std::uint8_t>().data();
-    const auto mask = std::uint8_t(field.maxBits() << field.bitShift);
-    const auto bits = std::uint8_t(value << field.bitShift);
-    progress.begin("Marking points", cloud.size());
-    forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
-        points.forEachInWords(firstWord, lastWord, [&](PointIndex i) {
-            if ((byte[i] & mask) == bits) points.remove(i);
-        });
-    });
-}
 
 Attribute withheldAttribute(const PointCloud& cloud)
 {
@@ -77,7 +60,8 @@ std::unique_ptr<Command> markPoints(const std::string& name, const PointCloud& c
     }
     if (what == "withheld") {
         const Attribute flag = withheldAttribute(cloud);
-        leaveOutMarked(cloud, flag, 1, *points, progress);
+        progress.begin("Marking points", cloud.size());
+        leaveOutValue(*points, cloud, flag, 1, progress);
         const PointIndex count = points->count();
         if (count == 0) return nullptr;
         return std::make_unique<ValueCommand>(name + ": withheld", flag, std::move(points),
@@ -86,7 +70,8 @@ std::unique_ptr<Command> markPoints(const std::string& name, const PointCloud& c
     const auto code = integerValue(values, "class");
     if (!code) throw Error("Say which class the points get: class=.");
     const Attribute classes = classAttribute(cloud, std::uint32_t(*code));
-    leaveOutMarked(cloud, classes, std::uint32_t(*code), *points, progress);
+    progress.begin("Marking points", cloud.size());
+    leaveOutValue(*points, cloud, classes, std::uint32_t(*code), progress);
     return makeClassCommand(name + " to " + classLabel(std::uint32_t(*code)), classes, std::move(points),
                             std::uint32_t(*code));
 }
@@ -116,12 +101,6 @@ std::shared_ptr<const PointSet> pointsLeftOut(const PointCloud& cloud, bool nois
         }
     });
     return all;
-}
-
-void insertShared(PointSet& points, PointIndex point) noexcept
-{
-    std::atomic_ref(points.words()[point / 64])
-        .fetch_or(std::uint64_t(1) << (point % 64), std::memory_order_relaxed);
 }
 
 }  // namespace punctum

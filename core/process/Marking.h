@@ -31,7 +31,4 @@ std::unique_ptr<Command> markPoints(const std::string& name, const PointCloud& c
 /// none is. Throws Cancelled.
 std::shared_ptr<const PointSet> pointsLeftOut(const PointCloud& cloud, bool noise, Progress& progress);
 
-/// From any number of threads at once.
-void insertShared(PointSet& points, PointIndex point) noexcept;
-
 }  // namespace punctum

@@ -5,6 +5,7 @@
 #include "core/raster/Crossings.h"
 #include "core/raster/MapPoints.h"
 #include "core/raster/Maps.h"
+#include "core/surface/Delaunay.h"
 #include "core/task/Progress.h"
 
 #include <tbb/parallel_for.h>
@@ -72,38 +73,13 @@ Raster spreadCells(const Raster& raster, std::size_t reach, bool largest)
     return along(along(raster, true), false);
 }
 
-using HullCorner = std::pair<std::int32_t, std::int32_t>;
-
-/// The corners of the convex hull, counterclockwise (Andrew 1979). Exact.
-std::vector<HullCorner> hullOf(std::vector<HullCorner> points)
-{
-    std::sort(points.begin(), points.end());
-    points.erase(std::unique(points.begin(), points.end()), points.end());
-    if (points.size() < 3) return points;
-    const auto turnsLeft = [](const HullCorner& a, const HullCorner& b, const HullCorner& c) {
-        const auto d = [](std::int32_t p, std::int32_t q) { return __extension__ __int128(p) - q; };
-        return d(b.first, a.first) * d(c.second, a.second) - d(b.second, a.second) * d(c.first, a.first) > 0;
-    };
-    std::vector<HullCorner> hull;
-    for (int way = 0; way < 2; ++way) {
-        const std::size_t base = hull.size();
-        for (const HullCorner& p : points) {
-            while (hull.size() >= base + 2 && !turnsLeft(hull[hull.size() - 2], hull.back(), p)) hull.pop_back();
-            hull.push_back(p);
-        }
-        hull.pop_back();
-        std::reverse(points.begin(), points.end());
-    }
-    return hull;
-}
-
-std::vector<MapArea> convexHull(const PointCloud& cloud, const PointSet* points, Progress& progress)
+std::vector<MapArea> hullArea(const PointCloud& cloud, const PointSet* points, Progress& progress)
 {
     progress.begin("Looking for the hull", cloud.size());
     std::mutex mutex;
-    std::vector<HullCorner> all;
+    std::vector<SurfacePoint> all;
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
-        std::vector<HullCorner> mine;
+        std::vector<SurfacePoint> mine;
         const PointSet* const deleted = cloud.deleted().get();
         const std::int32_t *const x = cloud.rawX().data(), *const y = cloud.rawY().data();
         for (std::size_t w = firstWord; w < lastWord; ++w) {
@@ -111,17 +87,17 @@ std::vector<MapArea> convexHull(const PointCloud& cloud, const PointSet* points,
             if (points != nullptr) bits &= points->words()[w];
             for (; bits != 0; bits &= bits - 1) {
                 const std::size_t i = w * 64 + std::size_t(std::countr_zero(bits));
-                mine.emplace_back(x[i], y[i]);
+                mine.push_back({x[i], y[i]});
             }
         }
-        mine = hullOf(std::move(mine));
+        mine = convexHull(std::move(mine));
         const std::lock_guard lock(mutex);
         all.insert(all.end(), mine.begin(), mine.end());
     });
     MapArea area;
     area.rings.emplace_back();
-    for (const HullCorner& c : hullOf(std::move(all)))
-        area.rings[0].emplace_back(cloud.coordinates().steps(0)(c.first), cloud.coordinates().steps(1)(c.second));
+    for (const SurfacePoint& c : convexHull(std::move(all)))
+        area.rings[0].emplace_back(cloud.coordinates().steps(0)(c.x), cloud.coordinates().steps(1)(c.y));
     if (area.rings[0].size() < 3) throw Error("The points lie on one line, so that they have no outline.");
     // where an axis of the file runs backwards
     if (signedArea(area.rings[0]) < 0) std::reverse(area.rings[0].begin(), area.rings[0].end());
@@ -176,7 +152,7 @@ std::vector<MapArea> outlinesOf(const PointCloud& cloud, const OutlineRequest& r
 {
     checkMapped(cloud);
     const auto points = pointsWhere(cloud, {request.where}, progress);
-    if (request.convex) return convexHull(cloud, points.get(), progress);
+    if (request.convex) return hullArea(cloud, points.get(), progress);
     const double cell = request.cell > 0.0 ? request.cell : mapCell(cloud, progress);
     const auto closing = std::size_t(
         std::clamp(std::ceil((request.close > 0.0 ? request.close / cell : kCloseCells) / 2), 0.0, 1e4));

@@ -175,11 +175,6 @@ void forMembers(const PointSet& points, Progress& progress, Visit visit)
     progress.check();
 }
 
-void insertAtomically(PointSet& set, PointIndex i)
-{
-    std::atomic_ref(set.words()[i / 64]).fetch_or(std::uint64_t(1) << (i % 64), std::memory_order_relaxed);
-}
-
 /// Calls each(point, near) for every member, with the points within the distance, from worker threads. Few members
 /// search for themselves; many are searched for leaf by leaf.
 template <typename Each>
@@ -210,7 +205,7 @@ PointSet step(const PointSet& from, PointSet& known, const KdOrder& order, doubl
     PointSet found(from.size());
     forNear(from, order, distance, stage, progress, [&](std::uint32_t, std::span<const std::uint32_t> near) {
         for (const std::uint32_t p : near)
-            if (!known.contains(p)) insertAtomically(found, p);
+            if (!known.contains(p)) found.insertShared(p);
     });
     combine(known, found, SelectMode::Add);
     return found;
@@ -314,7 +309,7 @@ PointSet shrunk(const PointSet& points, const KdOrder& order, double distance, P
     forNear(points, order, distance, "Shrinking the selection", progress,
             [&](std::uint32_t i, std::span<const std::uint32_t> near) {
                 if (std::any_of(near.begin(), near.end(), [&](std::uint32_t p) { return !points.contains(p); }))
-                    insertAtomically(edge, i);
+                    edge.insertShared(i);
             });
     PointSet left = points;
     combine(left, edge, SelectMode::Subtract);

@@ -6,6 +6,7 @@
 #include "core/neighbors/Neighbors.h"
 #include "core/process/FilledAttribute.h"
 #include "core/process/Values.h"
+#include "core/shape/KOrRadius.h"
 #include "core/shape/Spread.h"
 #include "core/task/Progress.h"
 
@@ -111,25 +112,14 @@ const StepDescription& FeaturesStep::description() const
             "Linearity, "
             "Planarity, Sphericity, Anisotropy, Omnivariance, Curvature, Verticality, Roughness, Density.",
         .source = "Weinmann et al. 2015",
-        .parameters = {{.key = "k",
-                        .label = "Neighbors",
-                        .help = "How many nearest points are looked at, the point itself among them.",
-                        .type = Type::Integer,
-                        .preset = "16",
-                        .min = 3,
-                        .max = 1000},
-                       {.key = "radius",
-                        .label = "Radius",
-                        .help = "Look at all points within this distance instead of k nearest ones.",
-                        .min = 1e-9,
-                        .max = 1e9,
-                        .optional = true,
-                        .unit = StepParameter::Unit::Length},
-                       {.key = "which",
-                        .label = "Which",
-                        .help = "Either all, or names with commas between, such as Planarity,Verticality.",
-                        .type = Type::Text,
-                        .preset = "all"}},
+        .parameters = kOrRadiusParameters(
+            "How many nearest points are looked at, the point itself among them.",
+            "Look at all points within this distance instead of k nearest ones.",
+            {{.key = "which",
+              .label = "Which",
+              .help = "Either all, or names with commas between, such as Planarity,Verticality.",
+              .type = Type::Text,
+              .preset = "all"}}),
         .shows = "Planarity"};
     return about;
 }
@@ -150,11 +140,7 @@ std::unique_ptr<Command> FeaturesStep::make(const PointCloud& cloud, const StepV
         for (std::size_t f = 0; f < features.size(); ++f) filled[f].set(n.point, features[f].value(s));
     };
     const auto places = KdOrder::of(cloud, progress);
-    if (radius)
-        forEachWithin(*places, *radius, "Looking at neighborhoods", progress, visit, within);
-    else
-        forEachNearest(*places, std::size_t(*integerValue(values, "k")), "Looking at neighborhoods", progress,
-                       visit, within);
+    forEachByKOrRadius(*places, values, "Looking at neighborhoods", progress, visit, within);
     std::vector<Attribute> attributes;
     attributes.reserve(filled.size());
     for (const FilledAttribute& f : filled) attributes.push_back(f.attribute());

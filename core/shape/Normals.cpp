@@ -5,6 +5,7 @@
 #include "core/neighbors/Neighbors.h"
 #include "core/process/FilledAttribute.h"
 #include "core/process/Values.h"
+#include "core/shape/KOrRadius.h"
 #include "core/shape/NormalColumns.h"
 #include "core/shape/Orientation.h"
 #include "core/shape/Spread.h"
@@ -57,22 +58,10 @@ const StepDescription& NormalsStep::description() const
             "Fits a plane to the neighbors of each point (least squares) and keeps its normal as NormalX, NormalY, "
             "NormalZ, or in the normals that the file has. Points without a plane get (0, 0, 0).",
         .source = "Hoppe et al. 1992",
-        .parameters =
-            {{.key = "k",
-              .label = "Neighbors",
-              .help = "How many nearest points the plane is fitted to, the point itself among them.",
-              .type = Type::Integer,
-              .preset = "16",
-              .min = 3,
-              .max = 1000},
-             {.key = "radius",
-              .label = "Radius",
-              .help = "Use all points within this distance instead of k nearest ones.",
-              .min = 1e-9,
-              .max = 1e9,
-              .optional = true,
-              .unit = StepParameter::Unit::Length},
-             {.key = "orientation",
+        .parameters = kOrRadiusParameters(
+            "How many nearest points the plane is fitted to, the point itself among them.",
+            "Use all points within this distance instead of k nearest ones.",
+            {{.key = "orientation",
               .label = "Orientation",
               .help = "With up none looks down; with viewpoint all look to a place, such as a scanner's; with "
                       "tree neighbors agree (a spanning tree), also around walls and below roofs.",
@@ -92,7 +81,7 @@ const StepDescription& NormalsStep::description() const
               .type = Type::Choice,
               .preset = "no",
               .advanced = true,
-              .choices = {"no", "yes"}}},
+              .choices = {"no", "yes"}}}),
         .shows = "Normal"};
     return about;
 }
@@ -121,10 +110,7 @@ std::unique_ptr<Command> NormalsStep::make(const PointCloud& cloud, const StepVa
         normals.set(n.point, {float(normal[0]) + 0.0f, float(normal[1]) + 0.0f, float(normal[2]) + 0.0f});
         if (curvature) curvature->set(n.point, spread.sum() > 0 ? spread.l3() / spread.sum() : 0.0);
     };
-    if (const auto radius = realValue(values, "radius"))
-        forEachWithin(order, *radius, "Fitting normals", progress, visit, within);
-    else
-        forEachNearest(order, std::size_t(*integerValue(values, "k")), "Fitting normals", progress, visit, within);
+    forEachByKOrRadius(order, values, "Fitting normals", progress, visit, within);
     if (orientation == "tree") orientBySpanningTree(order, normals, cloud.size(), within, progress);
     std::vector<Attribute> attributes = normals.attributes();
     if (curvature) attributes.push_back(curvature->attribute());

@@ -4,6 +4,7 @@
 #include "core/surface/HilbertOrder.h"
 #include "core/task/Progress.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <utility>
@@ -330,6 +331,28 @@ void Delaunay::insert(std::span<const SurfacePoint> points, const Progress* prog
         if (progress && i % 4096 == 0) progress->check();
         insertVertex(order[i]);
     }
+}
+
+std::vector<SurfacePoint> convexHull(std::vector<SurfacePoint> points)
+{
+    std::sort(points.begin(), points.end(), [](const SurfacePoint& a, const SurfacePoint& b) {
+        return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.index < b.index;
+    });
+    const auto samePlace = [](const SurfacePoint& a, const SurfacePoint& b) { return a.x == b.x && a.y == b.y; };
+    points.erase(std::unique(points.begin(), points.end(), samePlace), points.end());
+    if (points.size() < 3) return points;
+    std::vector<SurfacePoint> hull;
+    for (int chain = 0; chain < 2; ++chain) {
+        const std::size_t first = hull.size();
+        for (const SurfacePoint& p : points) {
+            while (hull.size() >= first + 2 && Delaunay::orientation(hull[hull.size() - 2], hull.back(), p) <= 0)
+                hull.pop_back();
+            hull.push_back(p);
+        }
+        hull.pop_back();
+        std::reverse(points.begin(), points.end());
+    }
+    return hull;
 }
 
 }  // namespace punctum

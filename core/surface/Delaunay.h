@@ -96,4 +96,9 @@ private:
     std::uint32_t m_last = 0;                ///< the triangle where the next search begins
 };
 
+/// The corners of the convex hull of these points, counterclockwise, each place once (Andrew 1979); those that
+/// differ where they are fewer than three, or the ends of a line. Of points in one place the one of least index.
+/// Exact.
+std::vector<SurfacePoint> convexHull(std::vector<SurfacePoint> points);
+
 }  // namespace punctum

@@ -75,13 +75,11 @@ PointSet pointsBetween(const SurfaceTiles& tiles, const PointCloud& cloud, const
                        double high, Progress& progress)
 {
     PointSet found(cloud.size());
-    const std::span<std::uint64_t> words = found.words();
     forHeightsAbove(tiles, cloud, among, progress,
                     [&](std::span<const std::uint32_t> points, std::span<const float> heights) {
                         for (std::size_t k = 0; k < points.size(); ++k)
                             if (double(heights[k]) >= low && double(heights[k]) <= high)
-                                std::atomic_ref(words[points[k] / 64])
-                                    .fetch_or(std::uint64_t(1) << (points[k] % 64), std::memory_order_relaxed);
+                                found.insertShared(points[k]);
                     });
     return found;
 }

@@ -62,27 +62,6 @@ double squaredGap(const RawRect& rect, double x, double y, const PlaneMetric& m)
     return m.x * dx * dx + m.y * dy * dy;
 }
 
-/// Leaves the corners of the convex hull, counterclockwise (Andrew 1979).
-void keepHull(std::vector<SurfacePoint>& points)
-{
-    std::sort(points.begin(), points.end(), [](const SurfacePoint& a, const SurfacePoint& b) {
-        return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.index < b.index;
-    });
-    std::vector<SurfacePoint> hull;
-    for (int chain = 0; chain < 2; ++chain) {
-        const std::size_t first = hull.size();
-        for (const SurfacePoint& p : points) {
-            while (hull.size() >= first + 2 && Delaunay::orientation(hull[hull.size() - 2], hull.back(), p) <= 0)
-                hull.pop_back();
-            if (hull.size() > first && hull.back().x == p.x && hull.back().y == p.y) continue;
-            hull.push_back(p);
-        }
-        if (!hull.empty() && (chain == 0 || hull.size() > first)) hull.pop_back();
-        std::reverse(points.begin(), points.end());
-    }
-    points = std::move(hull);
-}
-
 RawRect commonOf(const RawRect& a, const RawRect& b) noexcept
 {
     return {std::max(a.minX, b.minX), std::max(a.minY, b.minY), std::min(a.maxX, b.maxX), std::min(a.maxY, b.maxY)};
@@ -233,7 +212,7 @@ void SurfaceNetMaker::takeHull()
         }
         if (most[0] != -INFINITY) outer.insert(outer.end(), farthest.begin(), farthest.end());
     });
-    keepHull(outer);
+    outer = convexHull(std::move(outer));
     std::vector<std::array<double, 2>> coarse;
     coarse.reserve(outer.size());
     for (const SurfacePoint& p : outer) coarse.push_back({double(p.x), double(p.y)});
@@ -244,7 +223,7 @@ void SurfaceNetMaker::takeHull()
             if (m_far.holds(p.x, p.y) && !isInHull(coarse, p.x, p.y)) outer.push_back(p);
         }
     });
-    keepHull(outer);
+    outer = convexHull(std::move(outer));
     for (const SurfacePoint& p : outer) {
         m_hull.push_back({double(p.x), double(p.y)});
         if (isTaken(p)) continue;

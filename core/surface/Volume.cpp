@@ -117,19 +117,7 @@ std::vector<glm::dvec2> outlineOf(const PointCloud& cloud, const PointSet& point
 {
     std::vector<SurfacePoint> all;
     points.forEach([&](PointIndex i) { all.push_back({cloud.rawX()[i], cloud.rawY()[i], 0, std::uint32_t(i)}); });
-    std::sort(all.begin(), all.end(),
-              [](const SurfacePoint& a, const SurfacePoint& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-    std::vector<SurfacePoint> hull;
-    for (int chain = 0; chain < 2; ++chain) {  // Andrew 1979
-        const std::size_t first = hull.size();
-        for (const SurfacePoint& p : all) {
-            while (hull.size() >= first + 2 && Delaunay::orientation(hull[hull.size() - 2], hull.back(), p) <= 0)
-                hull.pop_back();
-            hull.push_back(p);
-        }
-        if (!hull.empty()) hull.pop_back();
-        std::reverse(all.begin(), all.end());
-    }
+    const std::vector<SurfacePoint> hull = convexHull(std::move(all));
     std::vector<glm::dvec2> outline;
     outline.reserve(hull.size());
     for (const SurfacePoint& p : hull) outline.push_back(glm::dvec2(cloud.world(p.index)));

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "core/cells/CellOrder.h"
-#include "core/process/Marking.h"
 #include "core/thin/Choices.h"
 
 #include <algorithm>
@@ -216,7 +215,7 @@ private:
         for (std::size_t k = 0; k < points.size(); ++k) {
             if (k % kDartsOfAPass == kDartsOfAPass - 1 && progress.cancelled()) return;
             if (!board.take(points[k])) continue;
-            insertShared(kept, points[k]);
+            kept.insertShared(points[k]);
             std::swap(points[count++], points[k]);  // what was there is dropped, and not looked at any more
         }
         tile.kept = count;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "core/cells/WorldGrid.h"
 #include "core/neighbors/KdOrder.h"
-#include "core/process/Marking.h"
 #include "core/task/Progress.h"
 #include "core/thin/Choices.h"
 
@@ -82,7 +81,7 @@ std::shared_ptr<PointSet> chooseByNumber(const PointCloud& cloud, PointIndex cou
             const std::uint64_t first = j * all / count, last = (j + 1) * all / count;
             if (first >= before[k + 1]) break;
             const std::uint64_t place = first + mixedBits(j + 1) % (last - first);
-            if (place >= before[k] && place < before[k + 1]) insertShared(*kept, row[place - before[k]]);
+            if (place >= before[k] && place < before[k + 1]) kept->insertShared(row[place - before[k]]);
         }
         progress.add(order->points(pieces[k]).size());
     });

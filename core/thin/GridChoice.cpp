@@ -68,7 +68,7 @@ std::shared_ptr<PointSet> chooseByGrid(const PointCloud& cloud, double cell, Cel
                                   best = p;
                               }
                           }
-                          insertShared(*kept, best);
+                          kept->insertShared(best);
                       });
     return kept;
 }

@@ -516,9 +516,7 @@ PointSet ProgressiveRenderer::visiblePoints(const PointCloud& cloud)
                 const auto place = m_scene.ids.find(visible[k]);
                 if (!place || place->layer != layer) continue;
                 const PointIndex i = store.order().indexOf(place->slot);
-                if (i >= points.size()) continue;
-                std::atomic_ref<std::uint64_t> word(points.words()[i / 64]);
-                word.fetch_or(std::uint64_t(1) << (i % 64), std::memory_order_relaxed);
+                if (i < points.size()) points.insertShared(i);
             }
         });
     }

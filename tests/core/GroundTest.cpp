@@ -10,6 +10,7 @@
 #include "core/steps/Steps.h"
 #include "core/survey/Survey.h"
 #include "core/task/Progress.h"
+#include "tests/core/CancelAfter.h"
 #include "tests/core/Complaint.h"
 #include "tests/core/MadeCloud.h"
 #include "tests/core/PlainSmrf.h"
@@ -19,11 +20,9 @@
 
 #include <tbb/global_control.h>
 
-#include <chrono>
 #include <filesystem>
 #include <map>
 #include <numeric>
-#include <thread>
 
 using namespace punctum;
 namespace fs = std::filesystem;
@@ -530,22 +529,8 @@ void GroundTest::cancelAnswers()
     const auto cloud = makeSample(kOptimized ? 2'000'000 : 200'000, 3, making);
     const ParsedStep parsed = parseStep("ground");
     for (const int after : {5, 60, 200}) {
-        Progress progress;
-        std::chrono::steady_clock::time_point asked;
-        std::thread canceller([&] {
-            std::this_thread::sleep_for(std::chrono::milliseconds(after));
-            asked = std::chrono::steady_clock::now();
-            progress.cancel();
-        });
-        bool cancelled = false;
-        try {
-            (void)parsed.step->run(*cloud, parsed.values, progress);
-        } catch (const Cancelled&) {
-            cancelled = true;
-        }
-        const auto ended = std::chrono::steady_clock::now();
-        canceller.join();
-        const double ms = std::chrono::duration<double, std::milli>(ended - asked).count();
+        const auto [cancelled, ms] = cancelAfter(
+            after, [&](Progress& progress) { (void)parsed.step->run(*cloud, parsed.values, progress); });
         qInfo("%s %.1f ms after the cancel", cancelled ? "stopped" : "done", ms);
         QVERIFY(ms < 1000 || !kOptimized);  // the rule is 100 ms; test machines are shared
     }

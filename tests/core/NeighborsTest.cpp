@@ -9,6 +9,7 @@
 #include "core/sample/Sample.h"
 #include "core/steps/Steps.h"
 #include "core/task/Progress.h"
+#include "tests/core/CancelAfter.h"
 #include "tests/core/MadeCloud.h"
 
 #include <QTest>
@@ -680,23 +681,9 @@ void NeighborsTest::cancelAnswers()
         return makeSample(kFast ? 3'000'000 : 300'000, 3, progress);
     }();
     const ParsedStep parsed = parseStep(step.toStdString());
-    Progress progress;
-    std::chrono::steady_clock::time_point asked;
-    std::thread canceller([&] {
-        std::this_thread::sleep_for(std::chrono::milliseconds(after));
-        asked = std::chrono::steady_clock::now();
-        progress.cancel();
-    });
-    bool cancelled = false;
-    try {
-        (void)parsed.step->run(*cloud, parsed.values, progress);
-    } catch (const Cancelled&) {
-        cancelled = true;
-    }
-    const auto ended = std::chrono::steady_clock::now();
-    canceller.join();
+    const auto [cancelled, ms] =
+        cancelAfter(after, [&](Progress& progress) { (void)parsed.step->run(*cloud, parsed.values, progress); });
     QVERIFY(cancelled || !kFast);  // a small cloud may be done before
-    const double ms = std::chrono::duration<double, std::milli>(ended - asked).count();
     qInfo("stopped %.1f ms after the cancel", ms);
     QVERIFY(ms < 1000.0 || !kFast);  // the rule is 100 ms; test machines are shared
 }

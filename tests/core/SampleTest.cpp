@@ -5,16 +5,15 @@
 #include "core/Error.h"
 #include "core/las/SourceFile.h"
 #include "core/task/Progress.h"
+#include "tests/core/CancelAfter.h"
 #include "tests/core/MadeCloud.h"
 
 #include <tbb/global_control.h>
 
 #include <QTest>
 
-#include <chrono>
 #include <cmath>
 #include <set>
-#include <thread>
 
 using namespace punctum;
 
@@ -213,23 +212,9 @@ void SampleTest::cancels()
 {
     // Asked at several moments of the work: it must stop within 100 ms, and does not return a cloud.
     for (const int after : {0, 20, 120, 400, 900}) {
-        Progress progress;
-        std::chrono::steady_clock::time_point asked;
-        std::thread canceller([&] {
-            std::this_thread::sleep_for(std::chrono::milliseconds(after));
-            asked = std::chrono::steady_clock::now();
-            progress.cancel();
-        });
-        bool cancelled = false;
-        try {
-            makeSample(20'000'000, 1, progress);
-        } catch (const Cancelled&) {
-            cancelled = true;
-        }
-        const auto ended = std::chrono::steady_clock::now();
-        canceller.join();
+        const auto [cancelled, ms] =
+            cancelAfter(after, [&](Progress& progress) { makeSample(20'000'000, 1, progress); });
         QVERIFY(cancelled);
-        const double ms = std::chrono::duration<double, std::milli>(ended - asked).count();
         qInfo("stopped %.1f ms after the cancel", ms);
 #if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
         QVERIFY2(ms < 1000.0, qPrintable(QString::number(after)));  // the rule is 100 ms; test machines are shared
