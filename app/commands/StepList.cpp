@@ -84,7 +84,7 @@ std::string unitText(StepParameter::Unit unit)
 /// "Default: 8.", "Optional." or that it must be given.
 std::string presetOrNeed(const StepParameter& p)
 {
-    const std::string preset = presetText(p);
+    std::string preset = presetText(p);
     if (!preset.empty()) return preset;
     if (p.wholeOnly) return "Must be given where all points may change.";
     return p.optional ? "Optional." : "Must be given.";

@@ -430,7 +430,7 @@ void GroundSurface::askSelection()
     if (!document->lengthUnit().isEmpty()) distance->setSuffix(QLatin1Char(' ') + document->lengthUnit());
     form->addRow(tr("&Distance"), distance);
     auto* const buttons = new QDialogButtonBox(QDialogButtonBox::Close);
-    const auto add = [&](const QString& text, const QString& tip, std::function<void(double)> act) {
+    const auto add = [&](const QString& text, const QString& tip, const std::function<void(double)>& act) {
         QPushButton* const button = buttons->addButton(text, QDialogButtonBox::ActionRole);
         button->setToolTip(tip);
         connect(button, &QPushButton::clicked, m_dialog, [distance, act] { act(distance->value()); });
