@@ -42,6 +42,7 @@ void describe(CLI::App& root, Action& action)
     addRaster(root, action);
     addContours(root, action);
     addOutline(root, action);
+    addTrees(root, action);
     addSample(root, action);
     addBench(root, action);
     root.require_subcommand(1);

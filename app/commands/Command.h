@@ -42,6 +42,7 @@ void addReplay(CLI::App& root, Action& action);
 void addRaster(CLI::App& root, Action& action);
 void addContours(CLI::App& root, Action& action);
 void addOutline(CLI::App& root, Action& action);
+void addTrees(CLI::App& root, Action& action);
 void addSample(CLI::App& root, Action& action);
 void addBench(CLI::App& root, Action& action);
 

@@ -211,8 +211,8 @@ std::unique_ptr<Command> BuildingsStep::make(const PointCloud& cloud, const Step
     const double least = *realValue(values, "height"), leastArea = *realValue(values, "area"),
                  leastWidth = *realValue(values, "width");
     const bool walls = textValue(values, "walls") == "yes";
-    const std::vector<float> heights =
-        heightsAboveGround(cloud, classesValue(values, "ground"), "buildings", progress);
+    const PointHeights known = heightsAboveGround(cloud, classesValue(values, "ground"), "buildings", progress);
+    const std::vector<float>& heights = known.values;
     const PointSet mayBe = pointsOfClasses(cloud, classesValue(values, "from"), progress);
     const PointSet low = lastReturnsAbove(cloud, mayBe, heights, kLowShare * least, progress);
     const std::size_t points = std::size_t(cloud.size());
@@ -275,7 +275,8 @@ std::unique_ptr<Command> BuildingsStep::make(const PointCloud& cloud, const Step
     });
     if (within != nullptr) found->intersect(*within);
     auto command = makeClassCommand("Buildings to " + classLabel(code), classes, std::move(found), code);
-    if (command) command->setFinding(areas.count == 1 ? "1 building." : grouped(areas.count) + " buildings.");
+    const std::string count = areas.count == 1 ? "1 building." : grouped(areas.count) + " buildings.";
+    if (command) command->setFinding(known.finding.empty() ? count : count + " " + known.finding);
     return command;
 }
 

@@ -24,6 +24,7 @@ namespace
 {
 
 constexpr std::size_t kHeightPiece = 4096;  ///< points between two looks at the cancel flag
+constexpr double kHeightsDiffer = 0.05;     ///< meters: more than programs round heights by
 
 /// "2, 9 and 10"
 std::string classList(const ClassSet& classes)
@@ -96,6 +97,43 @@ std::vector<float> keptHeights(const PointCloud& cloud, Progress& progress)
     return heights;
 }
 
+/// Whether heights are those above these points of the ground: hasHeightsAbove().
+bool areHeightsAbove(const PointCloud& cloud, const std::vector<float>& heights, const ClassSet& ground,
+                     Progress& progress)
+{
+    {
+        const std::shared_lock lock(cloud.mutex());
+        if (ground.none() || cloud.findAttribute("Classification") == nullptr) return true;
+    }
+    if (pointsOfClasses(cloud, ground, progress).count() == 0) return true;
+    const double meters = trueLengths(cloud).meters;
+    const double most = kHeightsDiffer / (meters > 0 ? meters : 1.0);
+    const ClassReader classOf(cloud);
+    const auto deleted = deletedPoints(cloud);
+    PointSet doubtful(cloud.size());
+    std::atomic<bool> differ = false;
+    progress.begin("Comparing heights with the ground", cloud.size());
+    forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
+        const PointIndex last = std::min(cloud.size(), PointIndex(lastWord) * 64);
+        for (PointIndex i = PointIndex(firstWord) * 64; i < last; ++i) {
+            const bool ofGround = ground[classOf(i)];
+            if (deleted && deleted->contains(i)) {
+                // those deleted before heights were measured have none
+                if (ofGround && !std::isnan(heights[i])) differ = true;
+            } else if (ofGround ? std::fabs(double(heights[i])) > most : heights[i] == 0.0f) {
+                doubtful.insert(i);
+            }
+        }
+    });
+    if (differ || doubtful.count() == 0) return !differ;
+    const GroundTree tree = groundOf(cloud, ground, kHeightName, progress);
+    measureHeights(cloud, tree, GroundModel::Triangulated, kGroundNeighbors, &doubtful, progress,
+                   [&](PointIndex i, double height) {
+                       if (std::fabs(height - double(heights[i])) > most) differ = true;
+                   });
+    return !differ;
+}
+
 }  // namespace
 
 StepParameter groundParameter(std::string help)
@@ -137,15 +175,26 @@ void measureHeights(const PointCloud& cloud, const GroundTree& ground, GroundMod
     });
 }
 
-std::vector<float> heightsAboveGround(const PointCloud& cloud, const ClassSet& ground, const std::string& name,
-                                      Progress& progress)
+bool hasHeightsAbove(const PointCloud& cloud, const ClassSet& ground, Progress& progress)
 {
-    std::vector<float> heights = keptHeights(cloud, progress);
-    if (!heights.empty()) return heights;
+    const std::vector<float> heights = keptHeights(cloud, progress);
+    return !heights.empty() && areHeightsAbove(cloud, heights, ground, progress);
+}
+
+PointHeights heightsAboveGround(const PointCloud& cloud, const ClassSet& ground, const std::string& name,
+                                Progress& progress)
+{
+    PointHeights heights{keptHeights(cloud, progress), {}};
+    if (!heights.values.empty()) {
+        if (areHeightsAbove(cloud, heights.values, ground, progress)) return heights;
+        heights.finding =
+            std::string(kHeightName) +
+            " is not of the ground as it is now, so heights were measured anew; run height to renew it.";
+    }
     const GroundTree tree = groundOf(cloud, ground, name, progress);
-    heights.assign(cloud.size(), std::numeric_limits<float>::quiet_NaN());
+    heights.values.assign(cloud.size(), std::numeric_limits<float>::quiet_NaN());
     measureHeights(cloud, tree, GroundModel::Triangulated, kGroundNeighbors, nullptr, progress,
-                   [&](PointIndex i, double height) { heights[i] = float(height); });
+                   [&](PointIndex i, double height) { heights.values[i] = float(height); });
     return heights;
 }
 

@@ -36,9 +36,21 @@ using HeightVisitor = std::function<void(PointIndex point, double height)>;
 void measureHeights(const PointCloud& cloud, const GroundTree& ground, GroundModel surface, std::size_t k,
                     const PointSet* within, Progress& progress, const HeightVisitor& visit);
 
-/// The height of each point for a step that needs them: those of the attribute HeightAboveGround where every point
-/// has one, else measured, from the triangulated ground. Deleted points: NaN. Throws as groundOf() does.
-std::vector<float> heightsAboveGround(const PointCloud& cloud, const ClassSet& ground, const std::string& name,
-                                      Progress& progress);
+/// Whether the attribute HeightAboveGround is there, every point has one, and they are heights above these points
+/// of the ground, not above those of before an edit. Points of the ground must have height 0, as it was not theirs
+/// before; points of height 0 that are not of the ground, as those that were, must have it still: both are measured
+/// anew, and may differ by 5 cm. Where no point is of the ground there is nothing to compare with, and heights
+/// count as they are. Throws Cancelled.
+bool hasHeightsAbove(const PointCloud& cloud, const ClassSet& ground, Progress& progress);
+
+/// The height of each point for a step that needs them.
+struct PointHeights {
+    std::vector<float> values;  ///< units of length; deleted points may have any, and NaN
+    std::string finding;        ///< a sentence, where the attribute's were not taken though it is there; else empty
+};
+/// Those of the attribute HeightAboveGround as far as hasHeightsAbove(), else measured, from the triangulated
+/// ground. Throws as groundOf() does.
+PointHeights heightsAboveGround(const PointCloud& cloud, const ClassSet& ground, const std::string& name,
+                                Progress& progress);
 
 }  // namespace punctum

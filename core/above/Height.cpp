@@ -54,6 +54,9 @@ std::unique_ptr<Command> HeightStep::make(const PointCloud& cloud, const StepVal
     measureHeights(cloud, ground, nearest ? GroundModel::Nearest : GroundModel::Triangulated,
                    std::size_t(*integerValue(values, "neighbors")), within, progress,
                    [&](PointIndex i, double height) { heights.set(i, height); });
+    // Nor do deleted points keep heights of another ground (GroundHeights.cpp).
+    if (const auto deleted = deletedPoints(cloud); deleted && isFloating(heights.attribute().type()))
+        deleted->forEach([&](PointIndex i) { heights.set(i, std::numeric_limits<double>::quiet_NaN()); });
     return std::make_unique<AttributesCommand>("Height above ground", std::vector{heights.attribute()});
 }
 

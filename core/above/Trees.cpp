@@ -128,7 +128,8 @@ std::unique_ptr<Command> TreesStep::make(const PointCloud& cloud, const StepValu
                                 .description = "number of the tree; 0: none",
                                 .type = ScalarType::U32,
                                 .kind = AttributeKind::Category});
-    const std::vector<float> heights = heightsAboveGround(cloud, classesValue(values, "ground"), "trees", progress);
+    const PointHeights known = heightsAboveGround(cloud, classesValue(values, "ground"), "trees", progress);
+    const std::vector<float>& heights = known.values;
     CrownOptions options;
     options.leastHeight = *realValue(values, "height");
     options.smoothing = *realValue(values, "smoothing");
@@ -184,7 +185,8 @@ std::unique_ptr<Command> TreesStep::make(const PointCloud& cloud, const StepValu
         const std::string unit = trueLengths(cloud).unit;
         command->setFinding((highest.size() == 1 ? "1 tree" : grouped(highest.size()) + " trees") +
                             (highest.size() == 1 ? ", height " : ", heights " + lengthOfOneDecimal(*low) + " to ") +
-                            lengthOfOneDecimal(*high) + (unit.empty() ? "" : " " + unit) + ".");
+                            lengthOfOneDecimal(*high) + (unit.empty() ? "" : " " + unit) + "." +
+                            (known.finding.empty() ? "" : " " + known.finding));
     }
     return command;
 }

@@ -81,8 +81,8 @@ std::unique_ptr<Command> VegetationStep::make(const PointCloud& cloud, const Ste
     const Attribute classes = classAttribute(cloud, *std::max_element(codes.begin(), codes.end()));
     if (cloud.size() == 0) return nullptr;
     const ClassSet mayChange = classesValue(values, "from");
-    const std::vector<float> heights =
-        heightsAboveGround(cloud, classesValue(values, "ground"), "vegetation", progress);
+    const PointHeights known = heightsAboveGround(cloud, classesValue(values, "ground"), "vegetation", progress);
+    const std::vector<float>& heights = known.values;
 
     const ClassReader classOf(cloud);
     const auto deleted = deletedPoints(cloud);
@@ -110,7 +110,9 @@ std::unique_ptr<Command> VegetationStep::make(const PointCloud& cloud, const Ste
         if (word % kTaskWords == 0) progress.check();
         points->forEachInWords(word, word + 1, [&](PointIndex i) { ofPoints.push_back(std::byte(codeOf[i])); });
     }
-    return makeClassCommand("Vegetation by height", classes, std::move(points), std::move(ofPoints));
+    auto command = makeClassCommand("Vegetation by height", classes, std::move(points), std::move(ofPoints));
+    if (command) command->setFinding(known.finding);
+    return command;
 }
 
 }  // namespace punctum

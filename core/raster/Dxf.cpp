@@ -73,6 +73,7 @@ std::string dxfText(const VectorMap& map, const VectorOptions& options, Progress
     for (const ContourLine& line : map.lines) include(line.points);
     for (const MapArea& area : map.areas)
         for (const auto& ring : area.rings) include(ring);
+    for (const MapTable::Row& row : map.table.rows) include({glm::dvec2(row.place)});
     // degrees need digits that meters do not
     const bool small = std::max(std::max(high.x, high.y), -std::min(low.x, low.y)) <= 360.0;
     const int decimals = options.decimals + (small ? 5 : 0);
@@ -104,15 +105,16 @@ std::string dxfText(const VectorMap& map, const VectorOptions& options, Progress
     addDxfGroup(text, 0, "ENDTAB");
     addDxfGroup(text, 0, "TABLE");
     addDxfGroup(text, 2, "LAYER");
-    addDxfGroup(text, 70, "3");
+    addDxfGroup(text, 70, map.table.layer.empty() ? "3" : "4");
     addDxfLayer(text, "CONTOUR", 34);
     addDxfLayer(text, "CONTOUR_INDEX", 32);
     addDxfLayer(text, "OUTLINE", 1);
+    if (!map.table.layer.empty()) addDxfLayer(text, map.table.layer, 3);
     addDxfGroup(text, 0, "ENDTAB");
     addDxfGroup(text, 0, "ENDSEC");
     addDxfGroup(text, 0, "SECTION");
     addDxfGroup(text, 2, "ENTITIES");
-    progress.begin("Writing DXF", map.lines.size() + map.areas.size());
+    progress.begin("Writing DXF", map.lines.size() + map.areas.size() + map.table.rows.size());
     for (const ContourLine& line : map.lines) {
         progress.check();
         progress.add(1);
@@ -124,6 +126,15 @@ std::string dxfText(const VectorMap& map, const VectorOptions& options, Progress
         progress.check();
         progress.add(1);
         for (const auto& ring : area.rings) addDxfPolyline(text, "OUTLINE", ring, 0.0, true, decimals);
+    }
+    for (const MapTable::Row& row : map.table.rows) {
+        progress.check();
+        progress.add(1);
+        addDxfGroup(text, 0, "POINT");
+        addDxfGroup(text, 8, map.table.layer);
+        addDxfGroup(text, 10, row.place.x, decimals);
+        addDxfGroup(text, 20, row.place.y, decimals);
+        addDxfGroup(text, 30, row.place.z, 6);
     }
     addDxfGroup(text, 0, "ENDSEC");
     addDxfGroup(text, 0, "EOF");

@@ -49,24 +49,40 @@ public:
     /// "[[x,y],...]"; `closed`: the first one again.
     void line(std::string& text, const std::vector<glm::dvec2>& points, bool closed)
     {
-        m_places.clear();
-        for (const glm::dvec2& p : points) m_places.emplace_back(p, 0.0);
-        if (m_change) (*m_change)(m_places);
+        convert(points);
         if (closed && !m_places.empty()) m_places.push_back(m_places[0]);
         text += '[';
         for (std::size_t k = 0; k < m_places.size(); ++k) {
-            if (std::isnan(m_places[k].x))
-                throw Error("Some places have no longitude and latitude in their coordinate system.");
-            text += k == 0 ? "[" : ",[";
-            addJsonNumber(text, m_places[k].x, m_decimals);
-            text += ',';
-            addJsonNumber(text, m_places[k].y, m_decimals);
-            text += ']';
+            text += k == 0 ? "" : ",";
+            add(text, m_places[k]);
         }
         text += ']';
     }
+    /// "[x,y]"
+    void place(std::string& text, const glm::dvec2& point)
+    {
+        convert({point});
+        add(text, m_places[0]);
+    }
 
 private:
+    void convert(const std::vector<glm::dvec2>& points)
+    {
+        m_places.clear();
+        for (const glm::dvec2& p : points) m_places.emplace_back(p, 0.0);
+        if (m_change) (*m_change)(m_places);
+    }
+    void add(std::string& text, const glm::dvec3& place) const
+    {
+        if (std::isnan(place.x))
+            throw Error("Some places have no longitude and latitude in their coordinate system.");
+        text += '[';
+        addJsonNumber(text, place.x, m_decimals);
+        text += ',';
+        addJsonNumber(text, place.y, m_decimals);
+        text += ']';
+    }
+
     std::unique_ptr<las::CrsChange> m_change;
     int m_decimals;
     std::vector<glm::dvec3> m_places;
@@ -82,7 +98,7 @@ std::string geoJsonText(const VectorMap& map, const MapCrs& crs, const VectorOpt
         text += "\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:EPSG::" +
                 std::to_string(crs.horizontal) + "\"}},\n";
     text += "\"features\":[\n";
-    progress.begin("Writing GeoJSON", map.lines.size() + map.areas.size());
+    progress.begin("Writing GeoJSON", map.lines.size() + map.areas.size() + map.table.rows.size());
     bool first = true;
     const auto begin = [&](const char* type) {
         progress.check();
@@ -108,6 +124,19 @@ std::string geoJsonText(const VectorMap& map, const MapCrs& crs, const VectorOpt
         }
         text += "]},\"properties\":{\"area\":";
         addJsonNumber(text, area.area, crs.geographic ? 12 : 3);
+        text += "}}";
+    }
+    for (const MapTable::Row& row : map.table.rows) {
+        begin("Point");
+        places.place(text, glm::dvec2(row.place));
+        text += "},\"properties\":{";
+        for (std::size_t k = 0; k < row.values.size(); ++k) {
+            text += (k == 0 ? "\"" : ",\"") + map.table.columns[k].name + "\":";
+            if (std::isnan(row.values[k]))
+                text += "null";
+            else
+                addJsonNumber(text, row.values[k], map.table.columns[k].decimals);
+        }
         text += "}}";
     }
     return text + "\n]}\n";

@@ -32,7 +32,21 @@ std::shared_ptr<const PointSet> pointsWhere(const PointCloud& cloud, const std::
         text += (text.empty() ? "(" : " and (") + condition + ")";
     }
     if (text.empty()) return nullptr;
-    return expression::select(cloud, expression::Condition(text, cloud), progress);
+    const auto select = [&](const std::string& condition) {
+        return expression::select(cloud, expression::Condition(condition, cloud), progress);
+    };
+    const auto deleted = deletedPoints(cloud);
+    const auto none = [&](const PointSet& points) {
+        if (!deleted) return points.count() == 0;
+        PointSet left = points;
+        left.remove(*deleted);
+        return left.count() == 0;
+    };
+    const std::string& wish = conditions.front();
+    auto points = select(text);
+    if (none(*points) && !wish.empty() && none(*select(wish)))
+        throw Error("There is no point for which " + wish + " holds, so that there is nothing to make a map of.");
+    return points;
 }
 
 std::string noNoise(const PointCloud& cloud)

@@ -14,8 +14,8 @@ class Progress;
 
 /// Which points a map is made of; for this folder alone.
 
-/// Those for which all conditions hold; empty conditions count for nothing. Null: all points. Throws
-/// ExpressionError, Cancelled.
+/// Those for which all conditions hold; empty conditions count for nothing. Null: all points. The first one is the
+/// user's: throws Error where it holds for no point; ExpressionError, Cancelled.
 std::shared_ptr<const PointSet> pointsWhere(const PointCloud& cloud, const std::vector<std::string>& conditions,
                                             Progress& progress);
 /// "not Classification in (7, 18)"; empty where the cloud has no classes.

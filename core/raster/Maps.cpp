@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/Text.h"
+#include "core/above/GroundHeights.h"
 #include "core/measure/Spacing.h"
 #include "core/raster/MapPoints.h"
 #include "core/raster/Terrain.h"
@@ -200,18 +201,23 @@ private:
         bool known = false;
         {
             const std::shared_lock lock(m_cloud.mutex());
-            known = m_cloud.findAttribute("HeightAboveGround") != nullptr;
+            known = m_cloud.findAttribute(kHeightName) != nullptr;
         }
-        if (known) {
-            heights = highest(mappedAttribute(m_cloud, "HeightAboveGround"));
+        const ClassSet ground = parseClasses(m_request.ground).value_or(ClassSet());
+        if (known && hasHeightsAbove(m_cloud, ground, m_progress)) {
+            heights = highest(mappedAttribute(m_cloud, kHeightName));
             finding = "Heights are those of the attribute HeightAboveGround.";
         } else {
+            if (known)
+                finding =
+                    "HeightAboveGround is not of the ground as it is now, so heights are the surface less the "
+                    "terrain.";
             heights = dsm();
-            const Raster ground = dtm();
+            const Raster terrain = dtm();
             tbb::parallel_for(tbb::blocked_range<std::size_t>(0, heights.values().size(), 1 << 14),
                               [&](const auto& range) {
                                   for (std::size_t i = range.begin(); i != range.end(); ++i)
-                                      heights.values()[i] -= ground.values()[i];
+                                      heights.values()[i] -= terrain.values()[i];
                               });
         }
         for (float& v : heights.values()) v = v < 0.0f ? 0.0f : v;  // NaN stays

@@ -84,6 +84,34 @@ private slots:
         QCOMPARE(hull.out, (path("h.dxf") + ": 1 area\n").toUtf8());
     }
 
+    void listsTrees()
+    {
+        PUNCTUM_EXIT(runPunctum({"process", path("in.las"), "-o", path("trees.laz"), "--step", "trees"}), 0);
+        const Outcome run = runPunctum({"trees", path("trees.laz"), "-o", path("t.csv"), "--json"});
+        PUNCTUM_EXIT(run, 0);
+        const int trees = run.json()["trees"].toInt();
+        QVERIFY(trees > 10);
+        const QList<QByteArray> lines = contents("t.csv").trimmed().split('\n');
+        QCOMPARE(lines.size(), trees + 1);
+        QCOMPARE(lines[0], QByteArray("id,x,y,z,height,crown_area,points"));
+        for (int k = 1; k < lines.size(); ++k) {
+            const QList<QByteArray> values = lines[k].split(',');
+            QCOMPARE(values.size(), 7);
+            QCOMPARE(values[0].toInt(), k);
+            QVERIFY(values[4].toDouble() >= 2 && values[6].toInt() >= 1);
+        }
+        PUNCTUM_EXIT(runPunctum({"trees", path("trees.laz"), "-o", path("t.geojson")}), 0);
+        const QJsonArray features = QJsonDocument::fromJson(contents("t.geojson")).object()["features"].toArray();
+        QCOMPARE(features.size(), trees);
+        const QJsonObject first = features[0].toObject();
+        QCOMPARE(first["geometry"].toObject()["type"].toString(), QStringLiteral("Point"));
+        QCOMPARE(first["geometry"].toObject()["coordinates"].toArray()[0].toDouble(),
+                 lines[1].split(',')[1].toDouble());
+        QCOMPARE(first["properties"].toObject()["points"].toInt(), lines[1].split(',')[6].toInt());
+        PUNCTUM_EXIT(runPunctum({"trees", path("trees.laz"), "-o", path("t.dxf"), "--id", "TreeId"}), 0);
+        QCOMPARE(contents("t.dxf").count("POINT\n"), trees);
+    }
+
     void saysWhatIsWrong_data()
     {
         QTest::addColumn<QStringList>("words");
@@ -110,6 +138,12 @@ private slots:
         QTest::addRow("folder") << QStringList{"raster", in, "-o", path("no/x.tif"), "--of", "Z"} << 1;
         QTest::addRow("step") << QStringList{"contours", in, "-o", path("x.dxf")} << 2;
         QTest::addRow("shape") << QStringList{"contours", in, "-o", path("x.shp"), "--step", "1"} << 2;
+        QTest::addRow("no trees") << QStringList{"trees", in, "-o", path("x.csv")} << 1;
+        QTest::addRow("no class") << QStringList{"outline",     in,        "-o",
+                                                 path("x.dxf"), "--where", "Classification == 77"}
+                                  << 1;
+        QTest::addRow("no numbers") << QStringList{"trees", in, "-o", path("x.csv"), "--id", "UserData"} << 1;
+        QTest::addRow("table") << QStringList{"trees", in, "-o", path("x.tif")} << 2;
         QTest::addRow("dxf") << QStringList{"outline", in, "-o", path("x.dxf"), "--wgs84"} << 1;
     }
     void saysWhatIsWrong()
@@ -119,7 +153,7 @@ private slots:
         const Outcome run = runPunctum(words);
         PUNCTUM_EXIT(run, code);
         QVERIFY2(run.oneSentence(), run.said());
-        for (const char* name : {"x.tif", "x.png", "x.dxf", "x.shp"}) QVERIFY(!QFile::exists(path(name)));
+        for (const char* name : {"x.tif", "x.png", "x.dxf", "x.shp", "x.csv"}) QVERIFY(!QFile::exists(path(name)));
     }
 
     /// Heights in feet above meters: the slope is one of 45 degrees.

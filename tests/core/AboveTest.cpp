@@ -314,6 +314,47 @@ private slots:
         QVERIFY(complaint([&] { run(*cloud, "height"); }).find("no point has class 2") != std::string::npos);
     }
 
+    /// Heights that are older than an edit of the ground are measured anew, and that is said; others are taken.
+    void staleHeights_data()
+    {
+        QTest::addColumn<QString>("edit");
+        QTest::addColumn<bool>("stale");
+        QTest::newRow("nothing") << "" << false;
+        QTest::newRow("other classes") << "set rule='Classification = 5 if Z > 60 and Classification == 1'"
+                                       << false;
+        QTest::newRow("points that become ground") << "set rule='Classification = 2 if X < 5005'" << true;
+        QTest::newRow("ground that is none") << "set rule='Classification = 1 if X < 5020'" << true;
+        QTest::newRow("deleted ground") << "delete where='Classification == 2 and X < 5020'" << true;
+        QTest::newRow("renewed") << "height" << false;
+        QTest::newRow("by the nearest") << "height method=nearest" << false;
+    }
+    void staleHeights()
+    {
+        QFETCH(QString, edit);
+        QFETCH(bool, stale);
+        const Cloud cloud = makeHills(20'000, 10'000);
+        apply(*cloud, "height");
+        // of what was deleted before there is nothing to say
+        apply(*cloud, "delete where='Classification == 2 and Y < 7010'");
+        apply(*cloud, "height");
+        if (!edit.isEmpty()) apply(*cloud, edit.toLatin1().constData());
+        const auto trees = run(*cloud, "trees");
+        QVERIFY(trees);
+        const std::string finding = trees->finding();
+        QCOMPARE(finding.find("measured anew") != std::string::npos, stale);
+        // as if there were no attribute
+        if (!stale) return;
+        trees->apply(*cloud);
+        const auto ids = valuesOf(*cloud, "TreeId");
+        apply(*cloud, "remove attribute=HeightAboveGround");
+        apply(*cloud, "remove attribute=TreeId");
+        apply(*cloud, "trees");
+        QVERIFY(valuesOf(*cloud, "TreeId") == ids);
+        // once height was run again, they are taken
+        apply(*cloud, "height");
+        QVERIFY(run(*cloud, "vegetation")->finding().empty());
+    }
+
     void degenerate()
     {
         for (const char* step : {"height", "height method=nearest", "vegetation", "buildings", "trees"}) {

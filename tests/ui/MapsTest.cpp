@@ -2,6 +2,7 @@
 // Maps as files, by the dialog: what it asks for, what it refuses, and what comes of it.
 #include "UiTest.h"
 
+#include "core/task/Progress.h"
 #include "ui/document/Workspace.h"
 #include "ui/maps/MapDialog.h"
 #include "ui/maps/Maps.h"
@@ -115,6 +116,48 @@ private slots:
         QVERIFY(test.dialog->problem().contains(QStringLiteral("more than 0")));
         QTest::mouseClick(test.button(QStringLiteral("Cancel")), Qt::LeftButton);
         QVERIFY(waitFor([&] { return test.window->findChild<MapDialog*>() == nullptr; }));
+    }
+
+    void treesAndAreasWithoutPoints()
+    {
+        MapBench test;
+        QVERIFY(test.begin());
+        QVERIFY(test.openDialog());
+        test.chooseKind(QStringLiteral("List of trees"));
+        QVERIFY(!test.dialog->choice());
+        QVERIFY2(test.dialog->problem().contains(QStringLiteral("run the step Trees first")),
+                 qPrintable(test.dialog->problem()));
+        test.keep(QStringLiteral("trees.png"));
+        QTest::mouseClick(test.button(QStringLiteral("Cancel")), Qt::LeftButton);
+        QVERIFY(waitFor([&] { return test.window->findChild<MapDialog*>() == nullptr; }));
+
+        Maps* const maps = test.window->findChild<Maps*>();
+        QStringList said;
+        connect(&test.window->workspace(), &Workspace::message, this,
+                [&](MessageKind, const QString& sentence) { said << sentence; });
+        MapChoice choice;
+        choice.form = MapChoice::Form::Outlines;
+        choice.request.where = "Classification == 77";
+        const QString none = test.folder.filePath(QStringLiteral("none.geojson"));
+        maps->save(none, choice);
+        QVERIFY(test.settle());
+        QVERIFY(!QFile::exists(none));
+        QCOMPARE(said.value(0),
+                 QStringLiteral("There is no point for which Classification == 77 holds, so that there is "
+                                "nothing to make a map of."));
+
+        Progress progress;
+        test.document->session()->edit({"trees", {}, nullptr}, progress);
+        QVERIFY(waitFor([&] { return test.document->findAttribute(QStringLiteral("TreeId")) != nullptr; }));
+        QVERIFY(test.openDialog());
+        test.chooseKind(QStringLiteral("List of trees"));
+        const auto trees = test.dialog->choice();
+        QVERIFY2(trees && trees->form == MapChoice::Form::Trees, qPrintable(test.dialog->problem()));
+        const QString list = test.folder.filePath(QStringLiteral("trees.csv"));
+        maps->save(list, *trees);
+        QVERIFY(test.settle());
+        QVERIFY(QFile(list).size() > 100);
+        QVERIFY2(said.last().contains(QStringLiteral(" trees.")), qPrintable(said.join('\n')));
     }
 
     void writesByAJob()

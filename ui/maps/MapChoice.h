@@ -12,7 +12,8 @@ struct MapChoice {
     enum class Form {
         Raster,    ///< GeoTIFF
         Contours,  ///< GeoJSON or DXF
-        Outlines   ///< likewise
+        Outlines,  ///< likewise
+        Trees      ///< CSV, GeoJSON or DXF
     };
     Form form = Form::Raster;
     MapRequest request;

@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "core/expression/Condition.h"
 #include "core/measure/Spacing.h"
+#include "core/raster/TreeList.h"
 #include "ui/basic/Text.h"
 #include "ui/document/Document.h"
 #include "ui/style/NumberField.h"
@@ -27,10 +28,10 @@ namespace punctum::ui
 namespace
 {
 
-constexpr int kContourKind = 100, kOutlineKind = 101;  ///< beside those of MapKind
-constexpr double kCellSpacings = 2.5;                  ///< as mapCell() has it
-constexpr double kContoursInAll = 20.0;                ///< heights that the preset step gives
-constexpr int kDialogWidth = 460;                      // px
+constexpr int kContourKind = 100, kOutlineKind = 101, kTreeKind = 102;  ///< beside those of MapKind
+constexpr double kCellSpacings = 2.5;                                   ///< as mapCell() has it
+constexpr double kContoursInAll = 20.0;                                 ///< heights that the preset step gives
+constexpr int kDialogWidth = 460;                                       // px
 
 }  // namespace
 
@@ -56,6 +57,8 @@ MapDialog::MapDialog(const Document& document, QWidget* parent)
     m_form->setVerticalSpacing(9);
     addKinds();
     addAttributes(document);
+
+    m_trees = treeIdsOf(document.attributes()) != nullptr;
 
     const QString unit = document.coordinateUnit();
     const auto inUnit = [](const QString& text, const QString& of) {
@@ -123,6 +126,7 @@ void MapDialog::addKinds()
     add(tr("An attribute"), int(MapKind::Attribute));
     add(tr("Contours"), kContourKind);
     add(tr("Outlines"), kOutlineKind);
+    add(tr("List of trees"), kTreeKind);
     m_kind->setAccessibleName(tr("Map"));
     m_kind->setObjectName(QStringLiteral("mapKind"));
     m_kind->setMaxVisibleItems(m_kind->count());
@@ -161,7 +165,7 @@ QString MapDialog::aboutKind() const
         case int(MapKind::Dsm):
             return tr("The highest first return in each cell; small holes are filled.");
         case int(MapKind::Chm):
-            return tr("The surface less the terrain, or the highest HeightAboveGround where there is one.");
+            return tr("The surface less the terrain, or the highest HeightAboveGround where it fits the ground.");
         case int(MapKind::Hillshade):
             return tr("The terrain, lit from the north-west.");
         case int(MapKind::Slope):
@@ -174,6 +178,10 @@ QString MapDialog::aboutKind() const
             return tr("One number for each cell, of the values of its points.");
         case kContourKind:
             return tr("Lines of equal height of the terrain, as GeoJSON or DXF.");
+        case kTreeKind:
+            return tr(
+                "Top, height above ground, crown area and points of each tree that has a TreeId, as CSV, "
+                "GeoJSON or DXF.");
         default:
             return tr("Around the areas that points cover, such as those of buildings, as GeoJSON or DXF.");
     }
@@ -183,10 +191,11 @@ void MapDialog::change()
 {
     const int kind = m_kind->currentData().toInt();
     const bool attribute = kind == int(MapKind::Attribute), contours = kind == kContourKind,
-               outlines = kind == kOutlineKind;
+               outlines = kind == kOutlineKind, trees = kind == kTreeKind;
     for (QWidget* field : {m_attribute, m_statistic}) m_form->setRowVisible(field, attribute);
     m_form->setRowVisible(m_step, contours);
-    m_form->setRowVisible(m_wgs84, contours || outlines);
+    m_form->setRowVisible(m_cell, !trees);
+    m_form->setRowVisible(m_wgs84, contours || outlines || trees);
     m_about->setText(aboutKind());
     m_problem->clear();
     const double cell = m_cell->number().value_or(0.0);
@@ -194,8 +203,9 @@ void MapDialog::change()
         cell > 0.0 ? glm::dvec2(std::ceil(m_extent.x / cell), std::ceil(m_extent.y / cell)) : glm::dvec2(0.0);
     const bool some = cells.x >= 1.0 && cells.y >= 1.0 && cells.x < 1e9 && cells.y < 1e9;
     m_size->setText(
-        some ? tr("About %1 × %2 cells.").arg(countText(std::uint64_t(cells.x)), countText(std::uint64_t(cells.y)))
-             : QString());
+        some && !trees
+            ? tr("About %1 × %2 cells.").arg(countText(std::uint64_t(cells.x)), countText(std::uint64_t(cells.y)))
+            : QString());
 }
 
 QString MapDialog::problem() const
@@ -208,15 +218,20 @@ std::optional<MapChoice> MapDialog::choice()
     const int kind = m_kind->currentData().toInt();
     m_problem->clear();
     for (NumberField* field : {m_cell, m_step}) {
-        if (field == m_step && kind != kContourKind) continue;
+        if (kind == kTreeKind || (field == m_step && kind != kContourKind)) continue;
         if (field->check() && field->number().value_or(0.0) <= 0.0) field->refuse(tr("It must be more than 0."));
         if (field->problem().isEmpty()) continue;
         m_problem->setText(QStringLiteral("%1: %2").arg(field->accessibleName(), field->problem()));
         field->setFocus();
         return std::nullopt;
     }
+    if (kind == kTreeKind && !m_trees) {
+        m_problem->setText(
+            tr("No trees are numbered here: run the step Trees first, which gives the attribute TreeId."));
+        return std::nullopt;
+    }
     MapChoice choice;
-    choice.request.cell = *m_cell->number();
+    choice.request.cell = m_cell->number().value_or(0.0);
     choice.request.where = m_where->text().trimmed().toStdString();
     if (!choice.request.where.empty()) {
         try {
@@ -235,6 +250,8 @@ std::optional<MapChoice> MapDialog::choice()
         choice.contours.step = *m_step->number();
     } else if (kind == kOutlineKind) {
         choice.form = MapChoice::Form::Outlines;
+    } else if (kind == kTreeKind) {
+        choice.form = MapChoice::Form::Trees;
     } else {
         choice.request.kind = MapKind(kind);
         choice.request.attribute = m_attribute->currentText().toStdString();

@@ -40,6 +40,7 @@ private:
     QString aboutKind() const;
     void accepted();
 
+    bool m_trees = false;      ///< the document has numbered trees
     glm::dvec2 m_extent{0.0};  ///< of the document, units of X and Y
     QFormLayout* m_form;
     QComboBox* m_kind;

@@ -2,6 +2,7 @@
 #include "ui/maps/Maps.h"
 
 #include "core/Error.h"
+#include "core/raster/TreeList.h"
 #include "core/raster/VectorFiles.h"
 #include "core/task/Progress.h"
 #include "ui/basic/Text.h"
@@ -29,11 +30,23 @@ QString makeAndWrite(const PointCloud& cloud, const MapChoice& choice, const std
         const QString size =
             Maps::tr("%1 × %2 cells, %3")
                 .arg(countText(map.raster.columns()), countText(map.raster.rows()), bytesText(bytes));
-        return crs.known() ? size : size + Maps::tr("; the coordinate system is not known");
+        const QString found =
+            map.finding.empty() ? QString() : QStringLiteral(". ") + toQString(map.finding).chopped(1);
+        return (crs.known() ? size : size + Maps::tr("; the coordinate system is not known")) + found;
     }
     VectorMap map;
     VectorOptions options;
-    options.wgs84 = choice.wgs84 && path.extension() != ".dxf";
+    options.wgs84 = choice.wgs84 && path.extension() != ".dxf" && path.extension() != ".csv";
+    if (choice.form == MapChoice::Form::Trees) {
+        TreeListRequest request;
+        request.where = choice.request.where;
+        const TreeList list = listTrees(cloud, request, progress);
+        map.table = treeTable(list);
+        writeVectors(path, map, crs, options, progress);
+        const QString trees =
+            list.trees.size() == 1 ? Maps::tr("1 tree") : Maps::tr("%1 trees").arg(countText(list.trees.size()));
+        return list.finding.empty() ? trees : trees + QStringLiteral(". ") + toQString(list.finding).chopped(1);
+    }
     if (choice.form == MapChoice::Form::Contours) {
         map.lines = contoursOf(smoothed(makeMap(cloud, choice.request, progress).raster, 1, progress),
                                choice.contours, progress);
@@ -70,11 +83,18 @@ void Maps::choose()
         if (choice.request.kind == MapKind::Attribute) what = toQString(choice.request.attribute);
         if (choice.form == MapChoice::Form::Contours) what = QStringLiteral("contours");
         if (choice.form == MapChoice::Form::Outlines) what = QStringLiteral("outlines");
-        const QString ending = raster ? QStringLiteral(".tif") : QStringLiteral(".geojson");
+        const bool trees = choice.form == MapChoice::Form::Trees;
+        if (trees) what = QStringLiteral("trees");
+        const QString vectors = tr("GeoJSON (*.geojson *.json);;DXF (*.dxf)");
+        const QString ending = raster  ? QStringLiteral(".tif")
+                               : trees ? QStringLiteral(".csv")
+                                       : QStringLiteral(".geojson");
         const QString path = QFileDialog::getSaveFileName(
             &m_window, tr("Save the map"),
             m_settings.folder() + QLatin1Char('/') + base + QLatin1Char('-') + what + ending,
-            raster ? tr("GeoTIFF (*.tif *.tiff)") : tr("GeoJSON (*.geojson *.json);;DXF (*.dxf)"));
+            raster  ? tr("GeoTIFF (*.tif *.tiff)")
+            : trees ? tr("CSV (*.csv)") + QStringLiteral(";;") + vectors
+                    : vectors);
         if (path.isEmpty()) return;
         save(QFileInfo(path).suffix().isEmpty() ? path + ending : path, choice);
     });
