@@ -88,12 +88,28 @@ class Batch:
         self.path = os.path.join(scratch, f"batch{number}.cpp")
 
     def write(self):
+        lines = ["// TBB has a function named like a word of Qt's, so it comes before any file that includes Qt",
+                 "#if __has_include(<tbb/profiling.h>)", "#include <tbb/profiling.h>", "#endif"]
+        self.by_line = {}
+        for k, name in enumerate(self.files):
+            # every test and every fuzzer has a beginning of its own
+            own = ["main", "LLVMFuzzerTestOneInput"]
+            lines += [f"#define {word} {word}{k}" for word in own] + [f'#include "{name}"']
+            self.by_line[len(lines)] = name
+            lines += [f"#undef {word}" for word in own]
         with open(self.path, "w") as out:
-            # TBB has a function named like a word of Qt's, so it comes before any file that includes Qt
-            out.write("#if __has_include(<tbb/profiling.h>)\n#include <tbb/profiling.h>\n#endif\n")
-            for k, name in enumerate(self.files):
-                # every test has a main of its own
-                out.write(f'#define main main{k}\n#include "{name}"\n#undef main\n')
+            out.write("\n".join(lines) + "\n")
+
+    def blamed(self, messages):
+        """The files in which, or in headers of which, the compiler found an error."""
+        found, top = set(), None
+        for line in messages.splitlines():
+            stack = re.match(rf"In file included from {re.escape(self.path)}:(\d+):", line)
+            if stack:
+                top = self.by_line.get(int(stack.group(1)))
+            elif re.search(r": (fatal )?error: ", line) and top:
+                found.add(top)
+        return found
 
 
 def batches(files, flags, clang, scratch, counter):
@@ -110,10 +126,8 @@ def batches(files, flags, clang, scratch, counter):
                                  capture_output=True, text=True)
             if run.returncode == 0:
                 break
-            blamed = [f for f in batch[1:] if re.search("^" + re.escape(f) + r":\d+:\d+: (fatal )?error",
-                                                        run.stderr, re.M)]
-            if not blamed:
-                blamed = batch[1:]
+            found = made.blamed(run.stderr)
+            blamed = [f for f in batch[1:] if f in found] or batch[1:]
             rest = blamed + rest
             batch = [f for f in batch if f not in blamed]
         yield made
