@@ -5,8 +5,9 @@
     tidy.py CLANG_TIDY CLANG SOURCE_DIR BUILD_DIR [FOLDER...]
 
 Most of its time goes into the headers of libraries, so files of a folder are read together, as many as agree with each
-other: a batch that does not compile is tried again without the files that clang complains of, which form the next
-batch. What is reported is the place in the file itself. Exit 1 when there is any finding.
+other: in a batch that does not compile constants of one name are told apart, then it is tried again without the files
+that clang complains of, which form the next batch. What is reported is the place in the file itself. Exit 1 when there
+is any finding.
 """
 import concurrent.futures
 import json
@@ -82,9 +83,10 @@ def folder_of(path, root, folders):
 class Batch:
     """Files that are read as one."""
 
-    def __init__(self, files, flags, scratch, number):
+    def __init__(self, files, flags, own, scratch, number):
         self.files = files
         self.flags = flags
+        self.own = own  # words that mean something else in each file
         self.path = os.path.join(scratch, f"batch{number}.cpp")
 
     def write(self):
@@ -92,11 +94,9 @@ class Batch:
                  "#if __has_include(<tbb/profiling.h>)", "#include <tbb/profiling.h>", "#endif"]
         self.by_line = {}
         for k, name in enumerate(self.files):
-            # every test and every fuzzer has a beginning of its own
-            own = ["main", "LLVMFuzzerTestOneInput"]
-            lines += [f"#define {word} {word}{k}" for word in own] + [f'#include "{name}"']
+            lines += [f"#define {word} {word}{k}" for word in self.own] + [f'#include "{name}"']
             self.by_line[len(lines)] = name
-            lines += [f"#undef {word}" for word in own]
+            lines += [f"#undef {word}" for word in self.own]
         with open(self.path, "w") as out:
             out.write("\n".join(lines) + "\n")
 
@@ -115,10 +115,11 @@ class Batch:
 def batches(files, flags, clang, scratch, counter):
     """Splits files into batches that compile. A file that does not compile alone is a batch, and will be told."""
     waiting = list(files)
+    own = {"main", "LLVMFuzzerTestOneInput"}  # every test and every fuzzer has a beginning of its own
     while waiting:
         batch, rest = waiting[:BATCH], waiting[BATCH:]
         while True:
-            made = Batch(batch, flags, scratch, next(counter))
+            made = Batch(batch, flags, sorted(own), scratch, next(counter))
             made.write()
             if len(batch) == 1:
                 break
@@ -126,6 +127,10 @@ def batches(files, flags, clang, scratch, counter):
                                  capture_output=True, text=True)
             if run.returncode == 0:
                 break
+            constants = set(re.findall(r"error: (?:redefinition of|reference to) '(k[A-Z]\w*)'", run.stderr)) - own
+            if constants:
+                own |= constants
+                continue
             found = made.blamed(run.stderr)
             blamed = [f for f in batch[1:] if f in found] or batch[1:]
             rest = blamed + rest
