@@ -80,8 +80,9 @@ void Surface::makeAll(Progress& progress)
         std::swap(m_tiles, tiles);
         throw Cancelled();
     }
+    auto neighbors = std::make_shared<const TileNeighbors>(*m_tiles);
     lock.unlock();
-    show(std::move(made));
+    show(std::move(made), std::move(neighbors));
 }
 
 std::shared_ptr<const SurfaceTile> Surface::makeTile(std::size_t t)
@@ -109,11 +110,13 @@ std::shared_ptr<const SurfaceTile> Surface::makeTile(std::size_t t)
     return tile;
 }
 
-void Surface::show(std::vector<std::shared_ptr<const SurfaceTile>> tiles)
+void Surface::show(std::vector<std::shared_ptr<const SurfaceTile>> tiles,
+                   std::shared_ptr<const TileNeighbors> neighbors)
 {
     const std::shared_ptr<const SurfaceView> old = m_view.load();
     auto view = std::make_shared<SurfaceView>();
     view->tiles = std::move(tiles);
+    view->neighbors = std::move(neighbors);
     view->steps = withTiles([](const SurfaceTiles& made) { return made.steps(); });
     view->version = old ? old->version + 1 : 1;
     if (old && old->tiles.size() == view->tiles.size()) {  // colors stay while somebody edits
@@ -153,7 +156,8 @@ std::size_t Surface::update(const PointSet* changed, Progress& progress)
     }
     const PointSet ground = groundOf(changed, progress);
     std::vector<std::size_t> touched;
-    std::vector<std::shared_ptr<const SurfaceTile>> tiles = view()->tiles;
+    const auto before = view();
+    std::vector<std::shared_ptr<const SurfaceTile>> tiles = before->tiles;
     {
         const std::unique_lock lock(m_mutex);
         touched = m_tiles->change(*changed, ground);
@@ -162,7 +166,7 @@ std::size_t Surface::update(const PointSet* changed, Progress& progress)
         });
     }
     progress.check();
-    if (!touched.empty()) show(std::move(tiles));
+    if (!touched.empty()) show(std::move(tiles), before->neighbors);
     return touched.size();
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/surface/SurfaceTiles.h"
+#include "core/surface/TileNeighbors.h"
 
 #include <array>
 #include <atomic>
@@ -31,6 +32,7 @@ struct SurfaceTile {
 /// All tiles of a surface at one moment. Immutable, so that it can be drawn while the next one is made.
 struct SurfaceView {
     std::vector<std::shared_ptr<const SurfaceTile>> tiles;
+    std::shared_ptr<const TileNeighbors> neighbors;
     std::array<double, 3> steps{1, 1, 1};  ///< units of true length of a raw step along each axis
     std::uint64_t version = 0;             ///< another one after each change
     /// Range of most of the heights (raw Z), without the outermost hundredths.
@@ -79,7 +81,8 @@ private:
     PointSet groundOf(const PointSet* among, Progress& progress) const;
     void makeAll(Progress& progress);
     std::shared_ptr<const SurfaceTile> makeTile(std::size_t tile);
-    void show(std::vector<std::shared_ptr<const SurfaceTile>> tiles);
+    void show(std::vector<std::shared_ptr<const SurfaceTile>> tiles,
+              std::shared_ptr<const TileNeighbors> neighbors);
 
     std::shared_ptr<const PointCloud> m_cloud;
     SurfaceSettings m_settings;

@@ -2,6 +2,7 @@
 #include "render/surface/SurfaceRaster.h"
 
 #include "render/resolve/Background.h"
+#include "render/surface/TileEdges.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 namespace punctum::render
 {
@@ -23,6 +25,8 @@ namespace
 constexpr int kBandRows = 32;
 /// Points so little behind the surface are shown: they are what it is made of, and grids cut corners.
 constexpr double kSlackPx = 3.0;
+/// So far beside a triangle pixels are its own: each tile rounds the heights of nodes on a common edge for itself.
+constexpr double kEdgePx = 0.002;
 
 struct Projected {
     double x = 0, y = 0, depth = 0;
@@ -70,39 +74,84 @@ glm::vec3 tintOf(double share) noexcept
 
 }  // namespace
 
-void SurfaceRaster::place(std::span<const SurfaceLayer> layers, double cellPx, std::vector<Placed>& placed) const
+SurfaceRaster::Placed SurfaceRaster::place(const SurfaceLayer& layer, const SurfaceTile& tile, double least,
+                                           double most, double cellPx) const
 {
-    for (std::size_t l = 0; l < layers.size(); ++l) {
-        const SurfaceLayer& layer = layers[l];
-        const bool perspective = layer.projection.perspective;
-        for (std::size_t t = 0; t < layer.view->tiles.size(); ++t) {
-            const SurfaceTile& tile = *layer.view->tiles[t];
-            if (tile.empty()) continue;
-            Projected low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
-            for (int corner = 0; corner < 8; ++corner) {
-                const Projected p = project(layer, corner & 1 ? tile.box.maxX : tile.box.minX,
-                                            corner & 2 ? tile.box.maxY : tile.box.minY,
-                                            tile.base + double(corner & 4 ? tile.most : tile.least));
-                low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.depth, p.depth)};
-                high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.depth, p.depth)};
-            }
-            const double near = layer.projection.nearDepth;
-            if (high.depth < near) continue;
-            if (perspective && low.depth < near) {  // around the eye: anywhere
-                low.x = low.y = -1;
-                high.x = m_width;
-                high.y = m_height;
-            }
-            if (high.x < 0 || low.x > m_width || high.y < 0 || low.y > m_height) continue;
-            const double side = (tile.box.maxX - tile.box.minX) * layer.view->steps[0];
-            const double cell = side / SurfaceTile::kCells * layer.pixelsPerUnit /
-                                (perspective ? std::max(low.depth, side / SurfaceTile::kCells) : 1.0);
-            int step = 1;
-            while (step < SurfaceTile::kCells && cell * step * 2 <= cellPx) step *= 2;
-            placed.push_back({l, t, step, std::max(0, int(std::floor(low.y)) - 1),
-                              std::min(m_height, int(std::ceil(std::min(high.y, 1e6))) + 1)});
-        }
+    Placed placed;
+    placed.step = 0;
+    if (tile.empty()) return placed;
+    const bool perspective = layer.projection.perspective;
+    Projected low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
+    for (int corner = 0; corner < 8; ++corner) {
+        const Projected p =
+            project(layer, corner & 1 ? tile.box.maxX : tile.box.minX, corner & 2 ? tile.box.maxY : tile.box.minY,
+                    tile.base + (corner & 4 ? most : least));
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.depth, p.depth)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.depth, p.depth)};
     }
+    const double near = layer.projection.nearDepth;
+    if (high.depth < near) return placed;
+    if (perspective && low.depth < near) {  // around the eye: anywhere
+        low.x = low.y = -1;
+        high.x = m_width;
+        high.y = m_height;
+    }
+    // where it keeps to coarser neighbors, it can reach further than its own heights do
+    const double margin = (high.y - low.y) / 2 + 2 * cellPx;
+    if (high.x < 0 || low.x > m_width || high.y + margin < 0 || low.y - margin > m_height) return placed;
+    const double side = (tile.box.maxX - tile.box.minX) * layer.view->steps[0];
+    const double cell = side / SurfaceTile::kCells * layer.pixelsPerUnit /
+                        (perspective ? std::max(low.depth, side / SurfaceTile::kCells) : 1.0);
+    placed.step = 1;
+    while (placed.step < SurfaceTile::kCells && cell * placed.step * 2 <= cellPx) placed.step *= 2;
+    placed.firstRow = std::max(0, int(std::floor(low.y)) - 1);
+    placed.lastRow = std::min(m_height, int(std::ceil(std::min(high.y, 1e6))) + 1);
+    return placed;
+}
+
+void SurfaceRaster::placeAll(std::span<const SurfaceLayer> layers, double cellPx)
+{
+    m_placed.clear();
+    m_cells.resize(layers.size());
+    std::vector<Placed> all;
+    for (std::size_t l = 0; l < layers.size(); ++l) {
+        const auto& tiles = layers[l].view->tiles;
+        all.resize(tiles.size());
+        m_cells[l].resize(tiles.size());
+        tbb::parallel_for(std::size_t(0), tiles.size(), [&](std::size_t t) {
+            all[t] = place(layers[l], *tiles[t], tiles[t]->least, tiles[t]->most, cellPx);
+            all[t].layer = l;
+            all[t].tile = t;
+            const double cell = (tiles[t]->box.maxX - tiles[t]->box.minX) / SurfaceTile::kCells;
+            m_cells[l][t] = all[t].step * cell;
+        });
+        std::copy_if(all.begin(), all.end(), std::back_inserter(m_placed),
+                     [](const Placed& placed) { return placed.step != 0; });
+    }
+    tbb::parallel_for(std::size_t(0), m_placed.size(), [&](std::size_t k) {
+        Placed& placed = m_placed[k];
+        const SurfaceLayer& layer = layers[placed.layer];
+        const SurfaceTile& tile = *layer.view->tiles[placed.tile];
+        const TileEdges edges(*layer.view, m_cells[placed.layer]);
+        if (!edges.hasCoarserNeighbor(placed.tile)) return;
+        double least = tile.least, most = tile.most;
+        const double cell = m_cells[placed.layer][placed.tile];
+        const auto include = [&](double x, double y) {
+            const double above = edges.height(placed.tile, x, y) - tile.base;
+            if (std::isnan(above)) return;
+            least = std::min(least, above);
+            most = std::max(most, above);
+        };
+        for (int i = 0; i <= SurfaceTile::kCells / placed.step; ++i) {
+            include(tile.box.minX + i * cell, tile.box.minY);
+            include(tile.box.minX + i * cell, tile.box.maxY);
+            include(tile.box.minX, tile.box.minY + i * cell);
+            include(tile.box.maxX, tile.box.minY + i * cell);
+        }
+        const Placed exact = place(layer, tile, least, most, cellPx);
+        placed.firstRow = exact.firstRow;
+        placed.lastRow = exact.lastRow;
+    });
 }
 
 void SurfaceRaster::draw(std::span<const SurfaceLayer> layers, const TargetSize& size, double cellPx,
@@ -117,30 +166,31 @@ void SurfaceRaster::draw(std::span<const SurfaceLayer> layers, const TargetSize&
         m_perspective = layers[0].projection.perspective;
         m_nearestSlack = kSlackPx / layers[0].pixelsPerUnit;
     }
-    std::vector<Placed> placed;
-    place(layers, cellPx, placed);
+    placeAll(layers, cellPx);
     const int bands = (m_height + kBandRows - 1) / kBandRows;
     std::vector<std::vector<std::uint32_t>> inBand(std::size_t(std::max(bands, 0)));
-    for (std::size_t k = 0; k < placed.size(); ++k)
-        for (int band = placed[k].firstRow / kBandRows; band * kBandRows < placed[k].lastRow; ++band)
+    for (std::size_t k = 0; k < m_placed.size(); ++k)
+        for (int band = m_placed[k].firstRow / kBandRows; band * kBandRows < m_placed[k].lastRow; ++band)
             inBand[std::size_t(band)].push_back(std::uint32_t(k));
     tbb::parallel_for(0, bands, [&](int band) {
         std::vector<Node> nodes;
         const int first = band * kBandRows, last = std::min(m_height, first + kBandRows);
-        for (const std::uint32_t k : inBand[std::size_t(band)]) {
-            const SurfaceLayer& layer = layers[placed[k].layer];
-            drawTile(layer, *layer.view->tiles[placed[k].tile], placed[k].step, first, last, look, nodes);
-        }
+        for (const std::uint32_t k : inBand[std::size_t(band)])
+            drawTile(layers, m_placed[k], first, last, look, nodes);
     });
 }
 
-void SurfaceRaster::drawTile(const SurfaceLayer& layer, const SurfaceTile& tile, int step, int firstRow,
-                             int lastRow, SurfaceLook look, std::vector<Node>& nodes)
+void SurfaceRaster::drawTile(std::span<const SurfaceLayer> layers, const Placed& placed, int firstRow, int lastRow,
+                             SurfaceLook look, std::vector<Node>& nodes)
 {
+    const SurfaceLayer& layer = layers[placed.layer];
     const SurfaceView& view = *layer.view;
+    const SurfaceTile& tile = *view.tiles[placed.tile];
+    const TileEdges edges(view, m_cells[placed.layer]);
+    const bool keepsToOthers = edges.hasCoarserNeighbor(placed.tile);
     const bool perspective = layer.projection.perspective;
     const double cell = (tile.box.maxX - tile.box.minX) / SurfaceTile::kCells;
-    const int row = SurfaceTile::kCells / step + 1;
+    const int step = placed.step, row = SurfaceTile::kCells / step + 1;
     nodes.resize(std::size_t(row) * std::size_t(row));
     // from the northwest, 45 degrees high, as maps are lit
     const glm::dvec3 light(-0.5, 0.5, std::sqrt(0.5));
@@ -149,15 +199,17 @@ void SurfaceRaster::drawTile(const SurfaceLayer& layer, const SurfaceTile& tile,
         for (int i = 0; i < row; ++i) {
             const int ni = i * step, nj = j * step;
             Node& node = nodes[std::size_t(j) * std::size_t(row) + std::size_t(i)];
-            const float z = tile.height(ni, nj);
-            const double x = tile.box.minX + ni * cell, y = tile.box.minY + nj * cell,
-                         height = tile.base + double(z);
+            const bool onEdge = i == 0 || j == 0 || i == row - 1 || j == row - 1;
+            const double x = tile.box.minX + ni * cell, y = tile.box.minY + nj * cell;
+            const double height =
+                keepsToOthers && onEdge ? edges.height(placed.tile, x, y) : tile.base + double(tile.height(ni, nj));
+            const float z = float(height - tile.base);
             node.w = NAN;
-            if (std::isnan(z) || isCutOff(layer, x, y, height)) continue;
+            if (std::isnan(height) || isCutOff(layer, x, y, height)) continue;
             const Projected p = project(layer, x, y, height);
             if (p.depth < double(layer.projection.nearDepth)) continue;
-            node.x = float(p.x);
-            node.y = float(p.y);
+            node.x = p.x;
+            node.y = p.y;
             node.w = float(perspective ? 1.0 / p.depth : p.depth);
             const auto rise = [&](float before, float after, double stepLength) {
                 const bool one = !std::isnan(before), two = !std::isnan(after);
@@ -196,27 +248,40 @@ void SurfaceRaster::drawTile(const SurfaceLayer& layer, const SurfaceTile& tile,
 void SurfaceRaster::drawTriangle(const Node& a, const Node& b, const Node& c, bool perspective, int firstRow,
                                  int lastRow)
 {
-    const float lowY = std::min({a.y, b.y, c.y}), highY = std::max({a.y, b.y, c.y});
-    const float lowX = std::min({a.x, b.x, c.x}), highX = std::max({a.x, b.x, c.x});
-    if (!(highY >= float(firstRow)) || !(lowY <= float(lastRow)) || !(highX >= 0) || !(lowX <= float(m_width)))
-        return;
-    // pixels whose middle is inside or on an edge
-    const int y0 = std::max(firstRow, int(std::ceil(std::max(lowY, -1.0f) - 0.5f)));
-    const int y1 = std::min(lastRow - 1, int(std::floor(std::min(highY, 1e6f) - 0.5f)));
-    const int x0 = std::max(0, int(std::ceil(std::max(lowX, -1.0f) - 0.5f)));
-    const int x1 = std::min(m_width - 1, int(std::floor(std::min(highX, 1e6f) - 0.5f)));
+    const double lowY = std::min({a.y, b.y, c.y}), highY = std::max({a.y, b.y, c.y});
+    const double lowX = std::min({a.x, b.x, c.x}), highX = std::max({a.x, b.x, c.x});
+    if (!(highY >= firstRow) || !(lowY <= lastRow) || !(highX >= 0) || !(lowX <= m_width)) return;
+    // pixels whose middle is inside, on an edge, or so little beside it that it could fall between two triangles
+    const int y0 = std::max(firstRow, int(std::ceil(std::max(lowY, -1.0) - 0.5 - kEdgePx)));
+    const int y1 = std::min(lastRow - 1, int(std::floor(std::min(highY, 1e6) - 0.5 + kEdgePx)));
+    const int x0 = std::max(0, int(std::ceil(std::max(lowX, -1.0) - 0.5 - kEdgePx)));
+    const int x1 = std::min(m_width - 1, int(std::floor(std::min(highX, 1e6) - 0.5 + kEdgePx)));
     if (y0 > y1 || x0 > x1) return;
-    const double area = (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x);
+    const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     if (area == 0) return;
     const double inverse = 1.0 / area;
+    // a share is the distance from the edge across, in heights above it
+    const auto least = [&](const Node& from, const Node& to) {
+        const double dx = to.x - from.x, dy = to.y - from.y;
+        return -kEdgePx * std::sqrt(dx * dx + dy * dy) * std::abs(inverse);
+    };
+    const double leastA = least(b, c), leastB = least(c, a), leastC = least(a, b);
     for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x) {
             const double px = x + 0.5, py = y + 0.5;
-            const double shareB = ((px - a.x) * (double(c.y) - a.y) - (py - a.y) * (double(c.x) - a.x)) * inverse;
-            const double shareC = ((double(b.x) - a.x) * (py - a.y) - (double(b.y) - a.y) * (px - a.x)) * inverse;
-            const double shareA = 1.0 - shareB - shareC;
-            // a little more than the triangle, so that no px falls between two
-            if (shareA < -1e-5 || shareB < -1e-5 || shareC < -1e-5) continue;
+            double shareB = ((px - a.x) * (c.y - a.y) - (py - a.y) * (c.x - a.x)) * inverse;
+            double shareC = ((b.x - a.x) * (py - a.y) - (b.y - a.y) * (px - a.x)) * inverse;
+            double shareA = 1.0 - shareB - shareC;
+            if (shareA < leastA || shareB < leastB || shareC < leastC) continue;
+            if (shareA < 0 || shareB < 0 || shareC < 0) {  // beside it: as at the nearest place, about
+                shareA = std::max(shareA, 0.0);
+                shareB = std::max(shareB, 0.0);
+                shareC = std::max(shareC, 0.0);
+                const double sum = shareA + shareB + shareC;
+                shareA /= sum;
+                shareB /= sum;
+                shareC /= sum;
+            }
             const double w = shareA * a.w + shareB * b.w + shareC * c.w;
             const float depth = float(perspective ? 1.0 / w : w);
             const std::size_t at = std::size_t(y) * std::size_t(m_width) + std::size_t(x);

@@ -49,25 +49,30 @@ public:
 
 private:
     struct Node {
-        float x = 0, y = 0;  ///< px
-        float w = 0;         ///< 1 / depth in perspective, depth in parallel; NaN: nothing
+        double x = 0, y = 0;  ///< px
+        float w = 0;          ///< 1 / depth in perspective, depth in parallel; NaN: nothing
         float r = 0, g = 0, b = 0;
     };
     struct Placed {
         std::size_t layer = 0, tile = 0;
-        int step = 1;
+        int step = 1;  ///< 0: it is out of sight
         int firstRow = 0, lastRow = 0;
     };
 
-    void place(std::span<const SurfaceLayer> layers, double cellPx, std::vector<Placed>& placed) const;
-    void drawTile(const SurfaceLayer& layer, const SurfaceTile& tile, int step, int firstRow, int lastRow,
+    /// A tile whose nodes are of these heights.
+    Placed place(const SurfaceLayer& layer, const SurfaceTile& tile, double least, double most,
+                 double cellPx) const;
+    void placeAll(std::span<const SurfaceLayer> layers, double cellPx);
+    void drawTile(std::span<const SurfaceLayer> layers, const Placed& placed, int firstRow, int lastRow,
                   SurfaceLook look, std::vector<Node>& nodes);
     void drawTriangle(const Node& a, const Node& b, const Node& c, bool perspective, int firstRow, int lastRow);
 
     int m_width = 0, m_height = 0;
     std::vector<Rgba8> m_colors;
     std::vector<float> m_depths;
-    double m_nearestSlack = 0;  ///< of depths, for a depth of 1 (perspective) or for all
+    std::vector<Placed> m_placed;              ///< the tiles in sight
+    std::vector<std::vector<double>> m_cells;  ///< of each layer, for TileEdges
+    double m_nearestSlack = 0;                 ///< of depths, for a depth of 1 (perspective) or for all
     bool m_perspective = true;
 };
 

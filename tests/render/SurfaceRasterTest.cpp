@@ -8,6 +8,7 @@
 
 #include <QTest>
 
+#include <algorithm>
 #include <cmath>
 
 using namespace punctum;
@@ -26,6 +27,27 @@ DisplaySettings surfaceOnly(SurfaceLook look)
     display.surface = look;
     display.classVisible.fill(false);
     return display;
+}
+
+/// Steep ground of 300 m x 300 m, whose points lie ever closer towards the middle: tiles are of many sizes.
+std::shared_ptr<PointCloud> denserToTheMiddle()
+{
+    const auto cloud = makeCloud(120000);
+    const auto axis = [&](const char* name) {
+        return cloud->findAttribute(name)->columns[0]->values<std::int32_t>();
+    };
+    const auto x = axis("X"), y = axis("Y"), z = axis("Z");
+    const auto classes = cloud->findAttribute("Classification")->columns[0]->values<std::uint8_t>();
+    for (PointIndex i = 0; i < cloud->size(); ++i) {
+        const auto unit = [&](std::uint64_t part) { return double(hash(3 * i + part) >> 40) / double(1 << 24); };
+        const double size = 150.0 / (1.0 + 60.0 * unit(2));
+        const double u = (2 * unit(0) - 1) * size, v = (2 * unit(1) - 1) * size;
+        x[i] = std::int32_t(u * 1000);
+        y[i] = std::int32_t(v * 1000);
+        z[i] = std::int32_t(1000 * (3 * std::sin(u) + 2 * std::cos(1.3 * v) + unit(2)));
+        classes[i] = 2;
+    }
+    return cloud;
 }
 
 /// Depth of the nearest hit of a ray with the cells of all tiles, each two triangles as SurfaceRaster has them; 0:
@@ -81,6 +103,8 @@ class SurfaceRasterTest : public QObject
     Q_OBJECT
 
 private slots:
+    void hasNoCracks_data();
+    void hasNoCracks();
     void depthsAreThoseOfRays_data();
     void depthsAreThoseOfRays();
     void convergesToBruteForce_data();
@@ -88,7 +112,53 @@ private slots:
     void pointsBeforeAndBehind();
     void followsEdits();
     void offCostsNothing();
+
+private:
+    std::shared_ptr<PointStore> m_steep;  ///< for hasNoCracks()
+    std::shared_ptr<const SurfaceView> m_steepView;
 };
+
+void SurfaceRasterTest::hasNoCracks_data()
+{
+    QTest::addColumn<bool>("orthographic");
+    QTest::addColumn<double>("pitch");
+    QTest::addColumn<double>("distance");
+    QTest::addColumn<double>("cellPx");
+    for (const double cellPx : {0.0, SurfaceRaster::kFineCell, SurfaceRaster::kCoarseCell, 40.0})
+        for (const double distance : {20.0, 45.0, 110.0})
+            for (const double pitch : {-1.57, -1.05})
+                for (const bool orthographic : {false, true})
+                    QTest::addRow("cells of %g px, from %g m, at %g%s", cellPx, distance, pitch,
+                                  orthographic ? ", orthographic" : "")
+                        << orthographic << pitch << distance << cellPx;
+}
+
+/// Tiles of many sizes beside each other, drawn by cells of many sizes, fill every px of the picture.
+void SurfaceRasterTest::hasNoCracks()
+{
+    QFETCH(bool, orthographic);
+    QFETCH(double, pitch);
+    QFETCH(double, distance);
+    QFETCH(double, cellPx);
+    if (!m_steepView) {
+        Progress progress;
+        m_steep = filledStore(denserToTheMiddle());
+        m_steepView = Surface(denserToTheMiddle(), {}, progress).view();
+    }
+    Camera camera = cameraFor(m_steep->cloud(), kWidth, kHeight);
+    camera.orthographic = orthographic;
+    camera.pitch = pitch;
+    camera.pivot = {3, -2, 0};
+    camera.eye = camera.pivot - camera.forward() * distance;
+    const double focal = kHeight / 2.0 / std::tan(camera.fovY / 2);
+    const SurfaceLayer layer{m_steepView, makeProjection(camera, *m_steep, TargetSize{kWidth, kHeight, 1}),
+                             m_steep->frame(), LayerClip{}, orthographic ? focal / camera.pivotDepth() : focal};
+    SurfaceRaster raster;
+    raster.draw(std::span(&layer, 1), TargetSize{kWidth, kHeight, 1}, cellPx, SurfaceLook::Gray);
+    const auto cracks = std::count_if(raster.depths().begin(), raster.depths().end(),
+                                      [](float depth) { return std::isinf(depth); });
+    QCOMPARE(cracks, 0);
+}
 
 void SurfaceRasterTest::depthsAreThoseOfRays_data()
 {
