@@ -49,6 +49,7 @@ struct RenderOptions {
     bool eyeDome = false;
     std::string surface = "none";
     bool pointsOnTop = false;
+    bool groundPoints = false;
     int bands = 0;
     std::string backend = "auto";
     std::string background;
@@ -233,6 +234,7 @@ void runRender(const RenderRequest& request, Progress& progress)
                       : options.surface == "heights" ? render::SurfaceLook::Heights
                                                      : render::SurfaceLook::None;
     display.pointsOnTop = options.pointsOnTop;
+    if (!options.groundPoints) display.surfaceReplaces = SurfaceSettings().classes;
     display.backgroundTop = request.background.top;
     display.backgroundBottom = request.background.bottom;
     const glm::dvec3 stretch = trueLengths(*clouds.front().cloud, bounds).stretch;
@@ -332,6 +334,8 @@ void addRender(CLI::App& root, Action& action)
         ->check(CLI::IsMember({"none", "gray", "heights"}));
     command.add_flag("--points-on-top", options->pointsOnTop,
                      "With --surface: points below or behind the surface are seen through it");
+    command.add_flag("--ground-points", options->groundPoints,
+                     "With --surface: draws the ground points, too, which else give way to it");
     command
         .add_option("--color-map", options->colorMap,
                     "Colors of a quantity: " + CLI::detail::join(maps, ", ") +

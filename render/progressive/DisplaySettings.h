@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -48,7 +49,9 @@ struct DisplaySettings {
     bool fillHoles = false;                   ///< closes small holes of frames that are not finished (HoleFill.h)
     SurfaceLook surface = SurfaceLook::None;  ///< of the clouds that have one: ProgressiveRenderer::setSurface()
     bool pointsOnTop = false;                 ///< points behind the surface are seen through it
-    int samples = 1;                          ///< a pixel; the next lower of kSampleCounts
+    /// Points of these classes are not seen where the surface is, but for selected ones.
+    std::bitset<256> surfaceReplaces{};
+    int samples = 1;  ///< a pixel; the next lower of kSampleCounts
     Rgba8 backgroundTop{38, 44, 52, 255};
     Rgba8 backgroundBottom{16, 18, 22, 255};
 

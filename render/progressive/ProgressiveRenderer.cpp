@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bitset>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -28,6 +29,15 @@ constexpr double kStreamAlone = 0.020;
 /// Of a frame of a still view that is not full yet, as a multiple: making the picture costs as much as drawing
 /// millions of points, and nobody waits for the next one as in motion.
 constexpr double kStillFrame = 2.0;
+
+/// Whether a point gives way to the surface that is made of its class: selected ones do not.
+bool isReplaced(const PointStore& store, const LayerColors& colors, Slot slot, const std::bitset<256>& classes)
+{
+    if (!classes[store.classes()[slot]]) return false;
+    if (!colors.marked) return true;
+    const bool marked = (store.words()[slot] & selectedBit(colors.kind)) != 0;
+    return marked == (colors.kind == WordKind::Color);  // see selectedBit()
+}
 
 }  // namespace
 
@@ -148,6 +158,28 @@ bool ProgressiveRenderer::showsSurface() const noexcept
                        [](const auto& entry) { return entry->surface != nullptr; });
 }
 
+void ProgressiveRenderer::findReplaced(const ResolveSettings& settings)
+{
+    m_replaced.clear();
+    if (m_look.display.surfaceReplaces.none()) return;
+    m_backend->nearestIds(m_nearest);
+    m_replaced.resize(m_nearest.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, m_nearest.size(), 1 << 12), [&](const auto& r) {
+        PointId last = kNoPoint;  // neighbors often show the same point
+        bool lastReplaced = false;
+        for (std::size_t p = r.begin(); p != r.end(); ++p) {
+            if (std::isinf(m_surface.depths()[p])) continue;
+            if (const PointId id = m_nearest[p]; id != last) {
+                last = id;
+                const auto place = m_scene.ids.find(id);
+                lastReplaced = place && isReplaced(*m_clouds[place->layer]->store, settings.layers[place->layer],
+                                                   place->slot, m_look.display.surfaceReplaces);
+            }
+            m_replaced[p] = std::uint8_t(lastReplaced);
+        }
+    });
+}
+
 void ProgressiveRenderer::composeSurface(const ResolveSettings& settings)
 {
     ResolveSettings alone = settings;
@@ -169,7 +201,8 @@ void ProgressiveRenderer::composeSurface(const ResolveSettings& settings)
         m_surfaceChanged = false;
     }
     m_backend->depths(m_depths);
-    m_surface.compose(picture, m_depths, m_look.display.pointsOnTop, settings);
+    findReplaced(settings);
+    m_surface.compose(picture, {m_depths, m_replaced, m_look.display.pointsOnTop}, settings);
 }
 
 void ProgressiveRenderer::hide(const PointCloud& cloud, const PointSet* points)

@@ -148,6 +148,8 @@ private:
     void updateScene();
     void resolveImage(ResolveSettings settings);
     bool showsSurface() const noexcept;
+    /// Finds out which pixels show a point that gives way to the surface.
+    void findReplaced(const ResolveSettings& settings);
     /// Puts surface and points together; draws the surface anew where what is seen of it has changed.
     void composeSurface(const ResolveSettings& settings);
 
@@ -161,16 +163,18 @@ private:
     SharedLegend m_legend;
     FramePicture m_picture;
     SurfaceRaster m_surface;
-    bool m_surfaceChanged = true;  ///< what is to be seen of it
-    bool m_surfaceCoarse = false;  ///< it was drawn in a hurry
-    bool m_moving = false;         ///< this frame shows another view than the one before
-    std::vector<float> m_depths;   ///< of the points, for composeSurface()
-    FrameReport::Passes m_passes;  ///< of this frame
-    std::vector<PointId> m_kept;   ///< what the picture showed when slots became others, by what they are now
-    bool m_targetChanged = true;   ///< size or samples: a new, empty buffer is needed
-    bool m_layersChanged = true;   ///< ids have new meanings: the buffer must be emptied
-    bool m_slotsChanged = false;   ///< ids have new meanings, and m_kept has those of what the buffer shows
-    bool m_viewChanged = true;     ///< camera, point size, hidden classes: what is visible must be seen anew
+    bool m_surfaceChanged = true;          ///< what is to be seen of it
+    bool m_surfaceCoarse = false;          ///< it was drawn in a hurry
+    bool m_moving = false;                 ///< this frame shows another view than the one before
+    std::vector<float> m_depths;           ///< of the points, for composeSurface()
+    std::vector<PointId> m_nearest;        ///< of each px, for ...
+    std::vector<std::uint8_t> m_replaced;  ///< ... SurfaceRaster::Points
+    FrameReport::Passes m_passes;          ///< of this frame
+    std::vector<PointId> m_kept;  ///< what the picture showed when slots became others, by what they are now
+    bool m_targetChanged = true;  ///< size or samples: a new, empty buffer is needed
+    bool m_layersChanged = true;  ///< ids have new meanings: the buffer must be emptied
+    bool m_slotsChanged = false;  ///< ids have new meanings, and m_kept has those of what the buffer shows
+    bool m_viewChanged = true;    ///< camera, point size, hidden classes: what is visible must be seen anew
 };
 
 }  // namespace punctum::render

@@ -27,6 +27,8 @@ public:
     /// Depth of each pixel's nearest sample, along the view direction in view units (Camera), rows from the top;
     /// infinity where there is no point.
     virtual void depths(std::vector<float>& out) = 0;
+    /// Id of each pixel's nearest sample, rows from the top; kNoPoint where there is no point.
+    virtual void nearestIds(std::vector<PointId>& out) = 0;
 
     /// Sample nearest to (x, y) px with a point within `radius` px.
     struct Hit {

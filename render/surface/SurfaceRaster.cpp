@@ -294,8 +294,7 @@ void SurfaceRaster::drawTriangle(const Node& a, const Node& b, const Node& c, bo
         }
 }
 
-void SurfaceRaster::compose(Image& picture, std::span<const float> depths, bool pointsOnTop,
-                            const ResolveSettings& settings) const
+void SurfaceRaster::compose(Image& picture, const Points& points, const ResolveSettings& settings) const
 {
     tbb::parallel_for(tbb::blocked_range<int>(0, picture.height, 16), [&](const tbb::blocked_range<int>& rows) {
         for (int y = rows.begin(); y != rows.end(); ++y) {
@@ -306,7 +305,8 @@ void SurfaceRaster::compose(Image& picture, std::span<const float> depths, bool 
                 const float surface = m_depths[at];
                 const Rgba8 behind = surface < INFINITY ? m_colors[at] : background;
                 const double slack = m_perspective ? m_nearestSlack * double(surface) : m_nearestSlack;
-                const bool front = pointsOnTop || double(depths[at]) <= double(surface) + slack;
+                const bool front = (points.onTop || double(points.depths[at]) <= double(surface) + slack) &&
+                                   (points.replaced.empty() || points.replaced[at] == 0);
                 if (surface < INFINITY && !front) {
                     pixel = behind;
                     continue;

@@ -40,9 +40,13 @@ public:
 
     void draw(std::span<const SurfaceLayer> layers, const TargetSize& size, double cellPx, SurfaceLook look);
     /// Puts the points' picture, which was made before a transparent background, in front of or behind it.
-    /// `depths`: of the points, VisibilityBuffer::depths(). `settings`: with the background that lies behind all.
-    void compose(Image& picture, std::span<const float> depths, bool pointsOnTop,
-                 const ResolveSettings& settings) const;
+    struct Points {
+        std::span<const float> depths;           ///< VisibilityBuffer::depths()
+        std::span<const std::uint8_t> replaced;  ///< 1: the nearest one gives way to the surface; empty: none does
+        bool onTop = false;                      ///< those behind the surface are seen through it
+    };
+    /// `settings`: with the background that lies behind all.
+    void compose(Image& picture, const Points& points, const ResolveSettings& settings) const;
 
     std::span<const float> depths() const noexcept { return m_depths; }  ///< infinity: no surface
     std::span<const Rgba8> colors() const noexcept { return m_colors; }

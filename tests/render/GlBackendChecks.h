@@ -47,6 +47,8 @@ private slots:
     void lightAndHolesAreThoseOfTheCpuBackend();
     void picturesStayOnTheDevice_data();
     void picturesStayOnTheDevice();
+    void surfaceIsThatOfTheCpuBackend_data();
+    void surfaceIsThatOfTheCpuBackend();
     void edgesOfThePictureAreComplete();
     void depthsKeepTheirDigits();
     void convergedEqualsBruteForce_data();

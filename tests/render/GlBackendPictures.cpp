@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // GlBackendChecks: what is done to a picture as a whole, and that it stays on the device.
+#include "core/task/Progress.h"
 #include "render/gl/GlObjects.h"
 #include "tests/render/AverageChecks.h"
 #include "tests/render/GlBackendChecks.h"
@@ -97,6 +98,51 @@ void GlBackendChecks::lightAndHolesAreThoseOfTheCpuBackend()
         QVERIFY(shareBeyond(view.renderer.image(), reference.renderer.image(), kSteps,
                             reference.renderer.coveredShare()) <=
                 std::max(m_tolerance.cpu, averaged ? kAveraged : kLightDiffers));
+    }
+}
+
+void GlBackendChecks::surfaceIsThatOfTheCpuBackend_data()
+{
+    QTest::addColumn<int>("samples");
+    for (const int samples : m_samples) QTest::addRow("%d samples", samples) << samples;
+}
+
+// The relief alone is the same to the px; with points, those of the ground give way to it, but for selected ones.
+void GlBackendChecks::surfaceIsThatOfTheCpuBackend()
+{
+    QFETCH(int, samples);
+    const auto cloud = cloudNamed("synthetic");
+    const auto store = filledStore(cloud);
+    Progress progress;
+    const auto surface = Surface(cloud, {}, progress).view();
+    DisplaySettings display;
+    display.attribute = "Classification";
+    display.samples = samples;
+    display.pointSize = 3.0;
+    display.surface = SurfaceLook::Heights;
+    display.surfaceReplaces[2] = true;
+    const auto selected = std::make_shared<PointSet>(cloud->size());
+    for (PointIndex i = 0; i < cloud->size() / 4; ++i) selected->insert(i);
+    const auto draw = [&](std::unique_ptr<RasterBackend> backend, const DisplaySettings& look, bool select,
+                          double* covered = nullptr) {
+        View view(std::move(backend), {store}, cameraFor(*cloud), look);
+        view.renderer.setSurface(*cloud, surface);
+        view.renderer.setSelection(*cloud, select ? selected : nullptr);
+        Image image = view.bruteForce();
+        if (covered != nullptr) *covered = view.renderer.coveredShare();
+        return image;
+    };
+    DisplaySettings alone = display;
+    alone.classVisible.fill(false);
+    QCOMPARE(differing(draw(gl(), alone, false), draw(cpu(), alone, false)), 0);
+    Image last;
+    for (const bool select : {false, true}) {
+        double covered = 0;
+        const Image expected = draw(cpu(), display, select, &covered), image = draw(gl(), display, select);
+        const double off = shareBeyond(image, expected, kSteps, covered);
+        QVERIFY2(off <= std::max(m_tolerance.cpu, kLightDiffers), qPrintable(percent(off)));
+        QVERIFY(!select || differing(image, last) > 1000);
+        last = image;
     }
 }
 

@@ -110,6 +110,7 @@ private slots:
     void convergesToBruteForce_data();
     void convergesToBruteForce();
     void pointsBeforeAndBehind();
+    void ownPointsGiveWay();
     void followsEdits();
     void offCostsNothing();
 
@@ -271,6 +272,60 @@ void SurfaceRasterTest::pointsBeforeAndBehind()
     const int hidden = changed(below, false), onTop = changed(below, true);
     QVERIFY2(onTop > 2 * hidden, qPrintable(QStringLiteral("%1, on top %2").arg(hidden).arg(onTop)));
     QVERIFY(ground.width == kWidth);
+}
+
+/// Where the surface is, no point is seen that it is made of unless it is selected, and all others are as before.
+void SurfaceRasterTest::ownPointsGiveWay()
+{
+    const auto cloud = makeCloud(60000);
+    const auto store = filledStore(cloud);
+    Progress progress;
+    const auto surface = Surface(cloud, {}, progress).view();
+    const Camera camera = cameraFor(*cloud, kWidth, kHeight);
+    DisplaySettings display;
+    display.attribute = "Classification";
+    display.pointSize = 3;
+    display.surface = SurfaceLook::Gray;
+    const auto draw = [&](const DisplaySettings& look, const std::shared_ptr<const PointSet>& selected = nullptr) {
+        CpuView view({store}, camera, look);
+        view.renderer.setSurface(*cloud, surface);
+        view.renderer.setSelection(*cloud, selected);
+        view.converge();
+        const Image converged = view.renderer.image();
+        return differing(converged, view.bruteForce()) == 0 ? converged : Image{};
+    };
+    DisplaySettings nothing = display;
+    nothing.classVisible.fill(false);
+    const Image all = draw(display), relief = draw(nothing);
+    display.surfaceReplaces[2] = true;
+    const Image seen = draw(display);
+    QVERIFY(!all.pixels.empty() && !relief.pixels.empty() && !seen.pixels.empty());
+    nothing.surface = SurfaceLook::None;
+    const Image empty = draw(nothing);
+    int replaced = 0, walls = 0;
+    for (std::size_t p = 0; p < all.pixels.size(); ++p) {
+        const bool covered = relief.pixels[p] != empty.pixels[p];
+        const bool ground = all.pixels[p] == display.palette[2];
+        if (!ground || !covered) QVERIFY(seen.pixels[p] == all.pixels[p]);
+        if (ground && covered) QVERIFY(seen.pixels[p] == relief.pixels[p]);
+        replaced += ground && covered;
+        walls += seen.pixels[p] == display.palette[6];
+    }
+    QVERIFY2(replaced > 10000 && walls > 300, qPrintable(QStringLiteral("%1, %2").arg(replaced).arg(walls)));
+
+    const auto selected = std::make_shared<PointSet>(cloud->size());
+    const Attribute& classes = *cloud->findAttribute("Classification");
+    for (PointIndex i = 0; i < cloud->size() / 3; ++i)
+        if (classes.number(i) == 2.0) selected->insert(i);
+    const Image marked = draw(display, selected);
+    QVERIFY(!marked.pixels.empty());
+    int shown = 0;
+    for (std::size_t p = 0; p < all.pixels.size(); ++p) {
+        if (marked.pixels[p] == seen.pixels[p]) continue;
+        QVERIFY(all.pixels[p] == display.palette[2]);
+        ++shown;
+    }
+    QVERIFY2(shown > 1000 && shown < replaced, qPrintable(QStringLiteral("%1 of %2").arg(shown).arg(replaced)));
 }
 
 void SurfaceRasterTest::followsEdits()

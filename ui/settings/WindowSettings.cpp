@@ -42,6 +42,7 @@ const QString kNormals = QStringLiteral("view/normals");
 const QString kOwnBackground = QStringLiteral("view/ownBackground");
 const QString kSamples = QStringLiteral("view/samples");
 const QString kEyeDome = QStringLiteral("view/eyeDome");
+const QString kGroundReplaced = QStringLiteral("view/groundReplaced");
 const QString kBands = QStringLiteral("view/bands");
 const QString kColorMap = QStringLiteral("view/colorMap");
 const QString kBackground = QStringLiteral("view/background");
@@ -153,6 +154,7 @@ void WindowSettings::restoreView(ViewSettings& view) const
     view.setSamples(m_values.value(kSamples, 1).toInt());
     view.setEyeDome(m_values.value(kEyeDome, 0.0).toDouble());
     view.setBands(m_values.value(kBands, 0).toInt());
+    view.setGroundReplaced(m_values.value(kGroundReplaced, true).toBool());
     view.setColorMap(m_values.value(kColorMap, view.colorMap()).toString());
     view.setBackground(ViewSettings::Background(std::clamp(m_values.value(kBackground, 0).toInt(), 0, 3)));
 }
@@ -174,6 +176,7 @@ void WindowSettings::store(const QMainWindow& window, const ViewSettings& view)
     settings->setValue(kSamples, view.display().samples);
     settings->setValue(kEyeDome, view.display().eyeDome);
     settings->setValue(kBands, view.display().bands);
+    settings->setValue(kGroundReplaced, view.groundReplaced());
     settings->setValue(kColorMap, view.colorMap());
     settings->setValue(kBackground, int(view.background()));
 }

@@ -120,6 +120,19 @@ void GroundSurface::addMenu(Menus& menus)
                         tr("Points below or behind the surface are seen through it"), [] {});
     m_onTop->setCheckable(true);
     connect(m_onTop, &QAction::triggered, this, &GroundSurface::setPointsOnTop);
+    m_hideOwn = menus.add(menu, tr("&Hide Its Own Points"), {}, {},
+                          tr("Where the surface is, it is seen instead of the points it is made of; selected ones "
+                             "stay to be seen"),
+                          [] {});
+    m_hideOwn->setCheckable(true);
+    m_hideOwn->setChecked(m_main.settings.groundReplaced());
+    connect(m_hideOwn, &QAction::triggered, this, &GroundSurface::setOwnPointsHidden);
+    // as it was remembered
+    connect(&m_main.settings, &ViewSettings::changed, this, [this] {
+        if (m_hideOwn->isChecked() == m_main.settings.groundReplaced()) return;
+        m_hideOwn->setChecked(m_main.settings.groundReplaced());
+        applyLook();
+    });
     menu->addSeparator();
     menus.add(menu, tr("&Classes That Are Ground..."), {}, {}, tr("Of which points the surface is made"),
               [this] { chooseClasses(); });
@@ -188,13 +201,20 @@ void GroundSurface::setPointsOnTop(bool onTop)
     applyLook();
 }
 
+void GroundSurface::setOwnPointsHidden(bool hidden)
+{
+    m_main.settings.setGroundReplaced(hidden);
+    m_hideOwn->setChecked(hidden);
+    applyLook();
+}
+
 void GroundSurface::applyLook()
 {
     using render::SurfaceLook;
     m_main.settings.setSurface(!m_on      ? SurfaceLook::None
                                : m_tinted ? SurfaceLook::Heights
                                           : SurfaceLook::Gray,
-                               m_pointsOnTop);
+                               m_pointsOnTop, m_main.settings.groundReplaced() ? m_classes : std::bitset<256>());
 }
 
 void GroundSurface::setClasses(const std::bitset<256>& classes)
@@ -206,6 +226,7 @@ void GroundSurface::setClasses(const std::bitset<256>& classes)
         if (entry.document) m_main.renderer.setSurface(entry.document->cloud(), nullptr);
     }
     m_entries.clear();
+    applyLook();
     if (m_on) setOn(true);
 }
 

@@ -45,6 +45,8 @@ public:
     void setOn(bool on);
     void setTinted(bool tinted);
     void setPointsOnTop(bool onTop);
+    /// Whether the points that it is made of give way to it: ViewSettings::setGroundReplaced(). Remembered.
+    void setOwnPointsHidden(bool hidden);
     /// That make the surface; 2 at first.
     const std::bitset<256>& classes() const noexcept { return m_classes; }
     void setClasses(const std::bitset<256>& classes);
@@ -97,6 +99,7 @@ private:
     QAction* m_show = nullptr;
     QAction* m_tint = nullptr;
     QAction* m_onTop = nullptr;
+    QAction* m_hideOwn = nullptr;
     QPointer<QDialog> m_dialog;
     Sections* m_sections = nullptr;
     QPointer<SurfaceLine> m_line;

@@ -135,10 +135,16 @@ void ViewSettings::setEyeDome(double strength)
     set(m_display.eyeDome, std::clamp(strength, 0.0, 4.0));
 }
 
-void ViewSettings::setSurface(render::SurfaceLook look, bool pointsOnTop)
+void ViewSettings::setSurface(render::SurfaceLook look, bool pointsOnTop, const std::bitset<256>& replaces)
 {
+    set(m_display.surfaceReplaces, replaces);
     set(m_display.pointsOnTop, pointsOnTop);
     set(m_display.surface, look);
+}
+
+void ViewSettings::setGroundReplaced(bool replaced)
+{
+    set(m_groundReplaced, replaced);
 }
 
 void ViewSettings::setBands(int bands)

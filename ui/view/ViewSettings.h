@@ -6,6 +6,8 @@
 #include <QObject>
 #include <QString>
 
+#include <bitset>
+
 namespace punctum::ui
 {
 
@@ -47,8 +49,11 @@ public:
     void setSamples(int samples);
     /// Strength, 0 to 4; 0: none.
     void setEyeDome(double strength);
-    /// The ground surface, and whether points are seen through it.
-    void setSurface(render::SurfaceLook look, bool pointsOnTop);
+    /// The ground surface, whether points are seen through it, and of which classes they give way to it.
+    void setSurface(render::SurfaceLook look, bool pointsOnTop, const std::bitset<256>& replaces);
+    /// Whether the ground's own points give way to the surface; so at first.
+    void setGroundReplaced(bool replaced);
+    bool groundReplaced() const noexcept { return m_groundReplaced; }
     /// Steps of the color map, up to 64; less than 2: smooth.
     void setBands(int bands);
     /// Own: the color of setOwnBackground().
@@ -81,6 +86,7 @@ private:
     Background m_background = Background::Dark;
     render::Rgba8 m_ownBackground{46, 60, 84, 255};
     std::array<bool, 256> m_classLocked{};
+    bool m_groundReplaced = true;
 };
 
 }  // namespace punctum::ui

@@ -399,6 +399,19 @@ void CpuBackend::depths(std::vector<float>& out)
     });
 }
 
+void CpuBackend::nearestIds(std::vector<PointId>& out)
+{
+    static_assert(PointId(kEmpty) == kNoPoint);
+    const auto samples = std::size_t(m_size.samples);
+    out.resize(std::size_t(m_size.width) * std::size_t(m_size.height));
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, out.size(), 1 << 14), [&](const auto& r) {
+        for (std::size_t p = r.begin(); p != r.end(); ++p) {
+            const auto pixel = cells().subspan(p * samples, samples);
+            out[p] = PointId(*std::min_element(pixel.begin(), pixel.end()));
+        }
+    });
+}
+
 std::optional<VisibilityBuffer::Hit> CpuBackend::pick(int x, int y, int radius)
 {
     std::optional<Hit> best;

@@ -35,6 +35,7 @@ public:
                    SlotRange slots) override;
     void resolve(const FrameScene& scene, const ResolveSettings& settings, Image& out) override;
     void depths(std::vector<float>& out) override;
+    void nearestIds(std::vector<PointId>& out) override;
     std::optional<Hit> pick(int x, int y, int radius) override;
     double coveredShare() override;
 

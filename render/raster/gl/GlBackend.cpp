@@ -311,6 +311,13 @@ void GlBackend::depths(std::vector<float>& out)
     checkGlErrors("reading depths");
 }
 
+void GlBackend::nearestIds(std::vector<PointId>& out)
+{
+    const GlStateGuard guard;
+    m_picture.nearestIds(*m_visibility, out);
+    checkGlErrors("reading the nearest points");
+}
+
 std::optional<VisibilityBuffer::Hit> GlBackend::pick(int x, int y, int radius)
 {
     const GlStateGuard guard;

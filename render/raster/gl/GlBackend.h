@@ -55,6 +55,7 @@ public:
     void copyPicture(unsigned texture) final;
     Traffic traffic() const noexcept final { return {m_traffic.up, m_traffic.down}; }
     void depths(std::vector<float>& out) final;
+    void nearestIds(std::vector<PointId>& out) final;
     std::optional<Hit> pick(int x, int y, int radius) final;
     double coveredShare() final;
 

@@ -43,7 +43,8 @@ void runOver(int width, int height)
 
 void GlPicture::reset()
 {
-    for (GlTexture* const t : {&m_picture, &m_other, &m_sums, &m_levels, &m_depths, &m_otherDepths}) t->reset();
+    for (GlTexture* const t : {&m_picture, &m_other, &m_sums, &m_levels, &m_depths, &m_otherDepths, &m_ids})
+        t->reset();
 }
 
 GlTexture GlPicture::texture(unsigned format, int width, int height, int layers) const
@@ -170,6 +171,24 @@ void GlPicture::depths(GlVisibility& visibility, std::vector<float>& out)
     m_traffic.down += out.size() * sizeof(float);
     for (float& depth : out)
         if (depth >= kNoLevel) depth = std::numeric_limits<float>::infinity();
+}
+
+void GlPicture::nearestIds(GlVisibility& visibility, std::vector<PointId>& out)
+{
+    const TargetSize size = visibility.size();
+    out.assign(std::size_t(size.width) * std::size_t(size.height), kNoPoint);
+    if (visibility.empty()) return;
+    if (!m_ids) m_ids = texture(GL_R32UI, size.width, size.height);
+    GlProgram& program = m_nearestIds[sampleCountIndex(size.samples)];
+    if (!program) program = visibility.reader("nearestid.comp", {shader("nearestid.comp.glsl")});
+    program.use();
+    glBindImageTexture(2, m_ids.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
+    visibility.runOverAll();
+    glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
+    glBindTexture(GL_TEXTURE_2D, m_ids.id());
+    glGetTexImage(GL_TEXTURE_2D, 0, GL_RED_INTEGER, GL_UNSIGNED_INT, out.data());
+    glBindTexture(GL_TEXTURE_2D, 0);
+    m_traffic.down += out.size() * sizeof(PointId);
 }
 
 }  // namespace punctum::render

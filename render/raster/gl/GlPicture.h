@@ -38,6 +38,8 @@ public:
     void copyTo(GlId texture, const TargetSize& size);
     /// As VisibilityBuffer::depths().
     void depths(GlVisibility& visibility, std::vector<float>& out);
+    /// As VisibilityBuffer::nearestIds().
+    void nearestIds(GlVisibility& visibility, std::vector<PointId>& out);
 
 private:
     GlTexture texture(unsigned format, int width, int height, int layers = 0) const;
@@ -47,9 +49,10 @@ private:
     GlTraffic& m_traffic;
     GlTexture m_picture, m_other;  ///< the picture, and room for a pass that makes it anew
     GlTexture m_sums;
-    GlTexture m_levels, m_extent;       ///< of eye-dome lighting; empty until it is on
-    GlTexture m_depths, m_otherDepths;  ///< of pixels; empty until they are needed
-    std::array<GlProgram, kSampleCounts.size()> m_levelPrograms, m_nearest;  ///< made when first needed
+    GlTexture m_levels, m_extent;              ///< of eye-dome lighting; empty until it is on
+    GlTexture m_depths, m_otherDepths, m_ids;  ///< of pixels; empty until they are needed
+    std::array<GlProgram, kSampleCounts.size()> m_levelPrograms, m_nearest,
+        m_nearestIds;  ///< made when first needed
     GlProgram m_extentProgram, m_holes, m_show;
 };
 
