@@ -105,24 +105,36 @@ void markLargeRoofs(CellMarks& objects, const HeightGrid& last, const HeightGrid
     });
 }
 
+/// Marks cells that an opening cut by more than the tolerance, and takes over what it left. (Plain pointers, since
+/// marks are bytes, which the compiler must else take for anything.)
+void markCut(std::uint8_t* objects, float* last, const float* opened, std::size_t count, float tolerance,
+             const float* extra)
+{
+    if (extra == nullptr)
+        for (std::size_t k = 0; k < count; ++k) objects[k] |= std::uint8_t(last[k] - opened[k] > tolerance);
+    else
+        for (std::size_t k = 0; k < count; ++k)
+            objects[k] |= std::uint8_t(last[k] - opened[k] > tolerance + extra[k]);
+    std::copy_n(opened, count, last);
+}
+
 /// Openings by larger and larger windows; marks what each cuts off by more than its tolerance, which `extra` raises
 /// (null: not at all). `surface`: the heights before; `heights`: what is opened.
 CellMarks objectsIn(const HeightGrid& heights, const HeightGrid& surface, float step, float slope,
                     const HeightGrid* extra, const BareSurfaceSettings& s, const Progress& progress)
 {
     CellMarks objects(heights.z.size());
+    GrowingOpenings openings(heights);
     HeightGrid last = heights;
     const int most = largestRadius(s);
     for (int radius = 1; radius <= most; ++radius) {
-        HeightGrid opened = openedBy(last, radius, progress);
+        const HeightGrid& opened = openings.next(progress);
         const float tolerance = step * s.meter + slope * float(radius) * s.cell;
         forRows(last.width, last.height, [&](int first, int end) {
-            for (std::size_t k = last.index(0, first); k < last.index(0, end); ++k) {
-                const float atMost = tolerance + (extra != nullptr ? extra->z[k] : 0.0f);
-                if (last.z[k] - opened.z[k] > atMost) objects[k] = 1;
-            }
+            const std::size_t from = last.index(0, first), count = last.index(0, end) - from;
+            markCut(objects.data() + from, last.z.data() + from, opened.z.data() + from, count, tolerance,
+                    extra != nullptr ? extra->z.data() + from : nullptr);
         });
-        last = std::move(opened);
     }
     markLargeRoofs(objects, last, surface, s, progress);
     return objects;

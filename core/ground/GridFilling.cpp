@@ -58,6 +58,20 @@ float fromHalf(const HeightGrid& half, int x, int y)
            fv * ((1 - fu) * half.at(a, d) + fu * half.at(c, d));
 }
 
+/// A cell that has not all four neighbors.
+void relaxAtRim(HeightGrid& grid, std::uint32_t k)
+{
+    const auto width = std::uint32_t(grid.width), height = std::uint32_t(grid.height);
+    const std::uint32_t x = k % width, y = k / width;
+    float sum = 0;
+    int count = 0;
+    if (x > 0) sum += grid.z[k - 1], ++count;
+    if (x + 1 < width) sum += grid.z[k + 1], ++count;
+    if (y > 0) sum += grid.z[k - width], ++count;
+    if (y + 1 < height) sum += grid.z[k + width], ++count;
+    grid.z[k] += kOverRelaxation * (sum / float(count) - grid.z[k]);
+}
+
 }  // namespace
 
 void fillHoles(HeightGrid& grid, const Progress& progress)
@@ -66,28 +80,33 @@ void fillHoles(HeightGrid& grid, const Progress& progress)
     const auto width = std::uint32_t(grid.width), height = std::uint32_t(grid.height);
     // Cells of one color of a chess board have neighbors of the other alone, so that order and threads do not
     // matter.
-    std::vector<std::uint32_t> holes[2];
+    std::vector<std::uint32_t> inside[2], rim[2];
+    std::size_t count = 0;
     for (std::uint32_t y = 0, k = 0; y < height; ++y)
-        for (std::uint32_t x = 0; x < width; ++x, ++k)
-            if (std::isnan(grid.z[k])) holes[(x + y) % 2].push_back(k);
-    if (holes[0].size() + holes[1].size() == grid.z.size() || (holes[0].empty() && holes[1].empty())) return;
+        for (std::uint32_t x = 0; x < width; ++x, ++k) {
+            if (!std::isnan(grid.z[k])) continue;
+            const bool within = x > 0 && y > 0 && x + 1 < width && y + 1 < height;
+            (within ? inside : rim)[(x + y) % 2].push_back(k);
+            ++count;
+        }
+    if (count == grid.z.size() || count == 0) return;
     HeightGrid half = halvedGrid(grid);
     fillHoles(half, progress);
-    for (const auto& color : holes)
-        forHoles(color, [&](std::uint32_t k) { grid.z[k] = fromHalf(half, int(k % width), int(k / width)); });
+    forRows(grid.width, grid.height, [&](int first, int last) {
+        for (int y = first; y < last; ++y)
+            for (int x = 0; x < grid.width; ++x)
+                if (std::isnan(grid.at(x, y))) grid.at(x, y) = fromHalf(half, x, y);
+    });
     for (int round = 0; round < kRelaxingRounds; ++round) {
         progress.check();
-        for (const auto& color : holes)
-            forHoles(color, [&](std::uint32_t k) {
-                const std::uint32_t x = k % width, y = k / width;
-                float sum = 0;
-                int count = 0;
-                if (x > 0) sum += grid.z[k - 1], ++count;
-                if (x + 1 < width) sum += grid.z[k + 1], ++count;
-                if (y > 0) sum += grid.z[k - width], ++count;
-                if (y + 1 < height) sum += grid.z[k + width], ++count;
-                grid.z[k] += kOverRelaxation * (sum / float(count) - grid.z[k]);
+        for (int color = 0; color < 2; ++color) {
+            forHoles(inside[color], [&](std::uint32_t k) {
+                float* const z = grid.z.data() + k;
+                const float sum = z[-1] + z[1] + *(z - width) + z[width];
+                *z += kOverRelaxation * (sum / 4 - *z);
             });
+            forHoles(rim[color], [&](std::uint32_t k) { relaxAtRim(grid, k); });
+        }
     }
 }
 
