@@ -61,30 +61,54 @@ void dropLowOutliers(HeightGrid& lowest, const BareSurfaceSettings& s, const Pro
     });
 }
 
-/// How much of a part's outline drops, as the edge of a roof does. The outline of the grid does not count.
-bool dropsAround(const std::vector<std::uint32_t>& part, const CellMarks& inPart, const HeightGrid& surface,
-                 const BareSurfaceSettings& s)
-{
-    const int w = surface.width, h = surface.height, reach = cellsAlong(2, s);
-    std::size_t outline = 0, drops = 0;
-    for (const std::uint32_t k : part) {
-        const int x = int(k) % w, y = int(k) / w;
-        for (int side = 0; side < 4; ++side) {
-            const int dx = (side == 0) - (side == 1), dy = (side == 2) - (side == 3);
-            const int u = x + dx, v = y + dy;
-            if (u < 0 || v < 0 || u >= w || v >= h || inPart[surface.index(u, v)] != 0) continue;
-            float low = surface.at(u, v);
-            for (int step = 2; step <= reach; ++step)
-                low = std::min(
-                    low, surface.at(std::clamp(x + step * dx, 0, w - 1), std::clamp(y + step * dy, 0, h - 1)));
-            ++outline;
-            drops += surface.z[k] - low > s.roofDrop * s.meter;
-        }
-    }
-    return outline > 0 && double(drops) >= double(s.roofEdge) * double(outline);
-}
+/// A part of a surface that may be a roof, among objects that are known.
+struct RoofPart {
+    const HeightGrid* surface;
+    const CellMarks *objects, *inPart;
+    const BareSurfaceSettings* s;
 
-/// CellMarks what is larger than the window and stands out like a roof. `last`: what the openings left; `surface`:
+    bool in(int x, int y) const { return x >= 0 && y >= 0 && x < surface->width && y < surface->height; }
+    bool isObject(int x, int y) const { return (*objects)[surface->index(x, y)] != 0; }
+    bool isInPart(int x, int y) const { return (*inPart)[surface->index(x, y)] != 0; }
+
+    /// What lies beside a cell in a direction: the lowest height within two meters, or that beyond the objects that
+    /// adjoin. NaN where nothing tells: in the part itself, outside of the grid, too far away.
+    float heightBeside(int x, int y, int dx, int dy) const
+    {
+        int u = x + dx, v = y + dy;
+        if (!in(u, v) || isInPart(u, v)) return HeightGrid::kNone;
+        const bool object = isObject(u, v);
+        float low = surface->at(u, v);
+        for (int step = 2; step <= cellsAlong(object ? s->roofBeyond : 2, *s); ++step) {
+            u += dx;
+            v += dy;
+            if (!in(u, v)) break;
+            if (!object) {
+                low = std::min(low, surface->at(u, v));
+            } else if (!isObject(u, v)) {
+                return !isInPart(u, v) ? surface->at(u, v) : HeightGrid::kNone;
+            }
+        }
+        return object ? HeightGrid::kNone : low;
+    }
+
+    /// Whether most of its outline drops, as the edge of a roof does.
+    bool dropsAround(const std::vector<std::uint32_t>& cells) const
+    {
+        std::size_t outline = 0, drops = 0;
+        for (const std::uint32_t k : cells)
+            for (int side = 0; side < 4; ++side) {
+                const int x = int(k) % surface->width, y = int(k) / surface->width;
+                const float beside = heightBeside(x, y, (side == 0) - (side == 1), (side == 2) - (side == 3));
+                if (std::isnan(beside)) continue;
+                ++outline;
+                drops += surface->z[k] - beside > s->roofDrop * s->meter;
+            }
+        return outline > 0 && double(drops) >= double(s->roofEdge) * double(outline);
+    }
+};
+
+/// Marks what is larger than the window and stands out like a roof. `last`: what the openings left; `surface`:
 /// before.
 void markLargeRoofs(CellMarks& objects, const HeightGrid& last, const HeightGrid& surface,
                     const BareSurfaceSettings& s, const Progress& progress)
@@ -98,7 +122,7 @@ void markLargeRoofs(CellMarks& objects, const HeightGrid& last, const HeightGrid
     forEachPart(std::move(high), last.width, last.height, [&](const std::vector<std::uint32_t>& part) {
         if (double(part.size()) < least) return;
         for (const std::uint32_t k : part) inPart[k] = 1;
-        const bool roof = dropsAround(part, inPart, surface, s);
+        const bool roof = RoofPart{&surface, &objects, &inPart, &s}.dropsAround(part);
         for (const std::uint32_t k : part) inPart[k] = 0;
         if (roof)
             for (const std::uint32_t k : part) objects[k] = 1;
@@ -120,8 +144,8 @@ void markCut(std::uint8_t* objects, float* last, const float* opened, std::size_
 
 /// Openings by larger and larger windows; marks what each cuts off by more than its tolerance, which `extra` raises
 /// (null: not at all). `surface`: the heights before; `heights`: what is opened.
-CellMarks objectsIn(const HeightGrid& heights, const HeightGrid& surface, float step, float slope,
-                    const HeightGrid* extra, const BareSurfaceSettings& s, const Progress& progress)
+CellMarks objectsIn(const HeightGrid& heights, const HeightGrid& surface, float step, const HeightGrid* extra,
+                    const BareSurfaceSettings& s, const Progress& progress)
 {
     CellMarks objects(heights.z.size());
     GrowingOpenings openings(heights);
@@ -129,7 +153,7 @@ CellMarks objectsIn(const HeightGrid& heights, const HeightGrid& surface, float 
     const int most = largestRadius(s);
     for (int radius = 1; radius <= most; ++radius) {
         const HeightGrid& opened = openings.next(progress);
-        const float tolerance = step * s.meter + slope * float(radius) * s.cell;
+        const float tolerance = step * s.meter + s.slope * float(radius) * s.cell;
         forRows(last.width, last.height, [&](int first, int end) {
             const std::size_t from = last.index(0, first), count = last.index(0, end) - from;
             markCut(objects.data() + from, last.z.data() + from, opened.z.data() + from, count, tolerance,
@@ -138,6 +162,38 @@ CellMarks objectsIn(const HeightGrid& heights, const HeightGrid& surface, float 
     }
     markLargeRoofs(objects, last, surface, s, progress);
     return objects;
+}
+
+/// Objects above the trend of the surface that is known so far. `surface`: with all objects.
+CellMarks objectsAboveTrend(const HeightGrid& surface, const HeightGrid& known, const BareSurfaceSettings& s,
+                            const Progress& progress)
+{
+    HeightGrid trend = known;
+    blurGrid(trend, cellsAlong(s.trendReach, s), progress);
+    HeightGrid edges = known;
+    for (std::size_t k = 0; k < edges.z.size(); ++k) edges.z[k] = std::abs(known.z[k] - trend.z[k]);
+    blurGrid(edges, cellsAlong(s.toleranceReach, s), progress);
+    HeightGrid extra = known;
+    blurGrid(extra, cellsAlong(s.toleranceReach, s), progress);
+    extra = slopesOf(extra, s.cell);
+    for (std::size_t k = 0; k < extra.z.size(); ++k) {
+        extra.z[k] = s.trendSlope * s.meter * extra.z[k] + s.edgeShare * edges.z[k];
+        trend.z[k] = surface.z[k] - s.trendShare * trend.z[k];
+    }
+    edges = HeightGrid();
+    return objectsIn(trend, surface, s.step, &extra, s, progress);
+}
+
+/// Marks what stands out of the surface more than the surface is rough there.
+void markBumps(CellMarks& objects, const HeightGrid& known, const BareSurfaceSettings& s, const Progress& progress)
+{
+    HeightGrid smooth = known;
+    blurGrid(smooth, cellsAlong(s.bumpReach, s), progress);
+    HeightGrid rough = known;
+    for (std::size_t k = 0; k < rough.z.size(); ++k) rough.z[k] = std::abs(known.z[k] - smooth.z[k]);
+    blurGrid(rough, cellsAlong(s.trendReach, s), progress);
+    for (std::size_t k = 0; k < objects.size(); ++k)
+        if (known.z[k] - smooth.z[k] > s.bumpHeight * s.meter + s.bumpRoughness * rough.z[k]) objects[k] = 1;
 }
 
 }  // namespace
@@ -156,18 +212,10 @@ BareSurface bareSurface(HeightGrid lowest, const BareSurfaceSettings& s, const P
     }
     dropLowOutliers(lowest, s, progress);
     const HeightGrid surface = filledGrid(lowest, progress);
-    const HeightGrid first =
-        withoutObjects(lowest, objectsIn(surface, surface, 0, s.slope, nullptr, s, progress), progress);
-
-    HeightGrid above = first;  // above the trend
-    blurGrid(above, cellsAlong(s.trendReach, s), progress);
-    for (std::size_t k = 0; k < above.z.size(); ++k) above.z[k] = surface.z[k] - s.trendShare * above.z[k];
-    HeightGrid extra = first;
-    blurGrid(extra, cellsAlong(s.tolReach, s), progress);
-    extra = slopesOf(extra, s.cell);
-    for (float& v : extra.z) v *= s.trendSlope * s.meter;
-    const CellMarks objects = objectsIn(above, surface, s.step, s.slope * s.slopeShare, &extra, s, progress);
-
+    CellMarks objects = objectsIn(surface, surface, 0, nullptr, s, progress);
+    for (int pass = 0; pass < 2; ++pass)
+        objects = objectsAboveTrend(surface, withoutObjects(lowest, objects, progress), s, progress);
+    markBumps(objects, withoutObjects(lowest, objects, progress), s, progress);
     result.heights = withoutObjects(lowest, objects, progress);
     result.tolerance = slopesOf(result.heights, s.cell);
     for (float& v : result.tolerance.z) {
