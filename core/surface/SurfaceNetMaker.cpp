@@ -62,6 +62,15 @@ double squaredGap(const RawRect& rect, double x, double y, const PlaneMetric& m)
     return m.x * dx * dx + m.y * dy * dy;
 }
 
+/// Of a triangle by its corners, in whatever order; 0: they are too many to be told apart.
+std::uint64_t keyOf(std::array<std::uint32_t, 3> corners) noexcept
+{
+    constexpr int kBits = 21;
+    std::sort(corners.begin(), corners.end());
+    if (corners[2] >> kBits != 0) return 0;
+    return std::uint64_t(corners[0]) << 2 * kBits | std::uint64_t(corners[1]) << kBits | corners[2];
+}
+
 RawRect commonOf(const RawRect& a, const RawRect& b) noexcept
 {
     return {std::max(a.minX, b.minX), std::max(a.minY, b.minY), std::min(a.maxX, b.maxX), std::min(a.maxY, b.maxY)};
@@ -143,28 +152,37 @@ void SurfaceNetMaker::takeForCircles()
         const RawRect about = commonOf(rectOf(disc, metric), m_far);
         if (m_whole.holds(about)) continue;
         m_discs.push_back(disc);
-        // of each tile the deepest one: it and those that follow make circles smaller
-        m_tiles.forTilesIn(about, [&](std::size_t tile) {
-            if (m_whole.holds(m_tiles.m_boxes[tile]) ||
-                squaredGap(m_tiles.m_boxes[tile], disc.x, disc.y, metric) > disc.squaredRadius)
-                return;
-            double least = disc.squaredRadius;
-            SurfacePoint deepest;
-            bool found = false;
-            for (const std::uint32_t index : m_tiles.m_points[tile]) {
-                const double dx = m_tiles.m_axes[0][index] - disc.x, dy = m_tiles.m_axes[1][index] - disc.y;
-                const double squared = metric.x * dx * dx + metric.y * dy * dy;
-                if (squared > least) continue;
-                const SurfacePoint p = m_tiles.point(index);
-                if (!m_far.holds(p.x, p.y) || isTaken(p)) continue;
-                least = squared;
-                deepest = p;
-                found = true;
-            }
-            if (!found) return;
-            m_new.push_back(deepest);
-            m_extra.insert(deepest.index);
-        });
+        const std::uint64_t key = keyOf(c);
+        if (m_empty.contains(key)) continue;
+        // Of each tile the deepest one, of those nearby if they have any: circles are smaller then.
+        const double width = m_box.maxX - m_box.minX, height = m_box.maxY - m_box.minY;
+        const std::size_t before = m_new.size();
+        for (double sides = 0.5; m_new.size() == before; sides *= 4) {
+            const RawRect near = commonOf(about, m_box.grown(sides * width, sides * height));
+            m_tiles.forTilesIn(near, [&](std::size_t tile) {
+                if (m_whole.holds(m_tiles.m_boxes[tile]) ||
+                    squaredGap(m_tiles.m_boxes[tile], disc.x, disc.y, metric) > disc.squaredRadius)
+                    return;
+                double least = disc.squaredRadius;
+                SurfacePoint deepest;
+                bool found = false;
+                for (const std::uint32_t index : m_tiles.m_points[tile]) {
+                    const double dx = m_tiles.m_axes[0][index] - disc.x, dy = m_tiles.m_axes[1][index] - disc.y;
+                    const double squared = metric.x * dx * dx + metric.y * dy * dy;
+                    if (squared > least) continue;
+                    const SurfacePoint p = m_tiles.point(index);
+                    if (!m_far.holds(p.x, p.y) || isTaken(p)) continue;
+                    least = squared;
+                    deepest = p;
+                    found = true;
+                }
+                if (!found) return;
+                m_new.push_back(deepest);
+                m_extra.insert(deepest.index);
+            });
+            if (near.holds(about)) break;
+        }
+        if (m_new.size() == before && key != 0) m_empty.insert(key);
     }
 }
 
@@ -191,31 +209,53 @@ void SurfaceNetMaker::takeHull()
     std::vector<std::array<double, 2>> own;
     hullOf(own);
     if (isInHull(own, m_box)) return;
-    m_needsHull = true;
 
-    // The outermost ones of each tile, by eight directions; then those of tiles that are not inside of these
-    std::vector<SurfacePoint> outer;
-    m_tiles.forTilesIn(m_far, [&](std::size_t tile) {
-        std::array<double, 8> most{};
-        most.fill(-INFINITY);
-        std::array<SurfacePoint, 8> farthest{};
-        for (const std::uint32_t index : m_tiles.m_points[tile]) {
-            const SurfacePoint p = m_tiles.point(index);
-            if (!m_far.holds(p.x, p.y)) continue;
-            const double x = p.x, y = p.y;
-            const std::array<double, 8> along{x, x + y, y, y - x, -x, -x - y, -y, x - y};
-            for (std::size_t i = 0; i < 8; ++i)
-                if (along[i] > most[i]) {
-                    most[i] = along[i];
-                    farthest[i] = p;
-                }
-        }
-        if (most[0] != -INFINITY) outer.insert(outer.end(), farthest.begin(), farthest.end());
-    });
-    outer = convexHull(std::move(outer));
-    std::vector<std::array<double, 2>> coarse;
-    coarse.reserve(outer.size());
-    for (const SurfacePoint& p : outer) coarse.push_back({double(p.x), double(p.y)});
+    // the outermost points of each tile, by eight directions
+    const auto outermostIn = [&](const RawRect& rect) {
+        std::vector<SurfacePoint> outermost;
+        m_tiles.forTilesIn(rect, [&](std::size_t tile) {
+            std::array<double, 8> most{};
+            most.fill(-INFINITY);
+            std::array<SurfacePoint, 8> farthest{};
+            for (const std::uint32_t index : m_tiles.m_points[tile]) {
+                const SurfacePoint p = m_tiles.point(index);
+                if (!rect.holds(p.x, p.y)) continue;
+                const double x = p.x, y = p.y;
+                const std::array<double, 8> along{x, x + y, y, y - x, -x, -x - y, -y, x - y};
+                for (std::size_t i = 0; i < 8; ++i)
+                    if (along[i] > most[i]) {
+                        most[i] = along[i];
+                        farthest[i] = p;
+                    }
+            }
+            if (most[0] != -INFINITY) outermost.insert(outermost.end(), farthest.begin(), farthest.end());
+        });
+        return convexHull(std::move(outermost));
+    };
+    const auto placesOf = [](std::span<const SurfacePoint> points) {
+        std::vector<std::array<double, 2>> places;
+        places.reserve(points.size());
+        for (const SurfacePoint& p : points) places.push_back({double(p.x), double(p.y)});
+        return places;
+    };
+    const auto takeAll = [&](std::span<const SurfacePoint> points) {
+        for (const SurfacePoint& p : points)
+            if (!isTaken(p) && m_extra.insert(p.index).second) m_new.push_back(p);
+    };
+
+    // B is mostly within the hull of points not far off, and then that will do.
+    const double width = m_box.maxX - m_box.minX, height = m_box.maxY - m_box.minY;
+    for (const double sides : {0.5, 2.0, 8.0}) {
+        const RawRect near = commonOf(m_box.grown(sides * width, sides * height), m_far);
+        const std::vector<SurfacePoint> outer = outermostIn(near);
+        if (!isInHull(placesOf(outer), m_box)) continue;
+        takeAll(outer);
+        return;
+    }
+
+    m_needsHull = true;
+    std::vector<SurfacePoint> outer = outermostIn(m_far);
+    const std::vector<std::array<double, 2>> coarse = placesOf(outer);
     m_tiles.forTilesIn(m_far, [&](std::size_t tile) {
         if (isInHull(coarse, m_tiles.m_boxes[tile])) return;
         for (const std::uint32_t index : m_tiles.m_points[tile]) {
@@ -224,12 +264,8 @@ void SurfaceNetMaker::takeHull()
         }
     });
     outer = convexHull(std::move(outer));
-    for (const SurfacePoint& p : outer) {
-        m_hull.push_back({double(p.x), double(p.y)});
-        if (isTaken(p)) continue;
-        m_new.push_back(p);
-        m_extra.insert(p.index);
-    }
+    m_hull = placesOf(outer);
+    takeAll(outer);
 }
 
 }  // namespace punctum

@@ -49,6 +49,7 @@ private:
     std::unordered_set<std::uint32_t> m_extra;  ///< points beside those of m_whole
     std::vector<SurfacePoint> m_new;
     std::vector<RawDisc> m_discs;               ///< of the last takeForCircles()
+    std::unordered_set<std::uint64_t> m_empty;  ///< triangles whose circle had nothing new in it, by their corners
     bool m_needsHull = false;                   ///< B is not within the hull of the first points
     std::vector<std::array<double, 2>> m_hull;  ///< of all points of F then
 };

@@ -10,6 +10,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -22,7 +23,10 @@ namespace punctum::render
 namespace
 {
 
-constexpr int kBandRows = 32;
+/// Bands for each thread: enough that none waits long for the others, and few, since each band looks at all nodes
+/// of the tiles that reach into it.
+constexpr int kBandsAThread = 4;
+constexpr int kLeastBandRows = 16;
 /// Points so little behind the surface are shown: they are what it is made of, and grids cut corners.
 constexpr double kSlackPx = 3.0;
 /// So far beside a triangle pixels are its own: each tile rounds the heights of nodes on a common edge for itself.
@@ -167,14 +171,16 @@ void SurfaceRaster::draw(std::span<const SurfaceLayer> layers, const TargetSize&
         m_nearestSlack = kSlackPx / layers[0].pixelsPerUnit;
     }
     placeAll(layers, cellPx);
-    const int bands = (m_height + kBandRows - 1) / kBandRows;
+    const int wanted = kBandsAThread * tbb::this_task_arena::max_concurrency();
+    const int bandRows = std::max(kLeastBandRows, (m_height + wanted - 1) / wanted);
+    const int bands = (m_height + bandRows - 1) / bandRows;
     std::vector<std::vector<std::uint32_t>> inBand(std::size_t(std::max(bands, 0)));
     for (std::size_t k = 0; k < m_placed.size(); ++k)
-        for (int band = m_placed[k].firstRow / kBandRows; band * kBandRows < m_placed[k].lastRow; ++band)
+        for (int band = m_placed[k].firstRow / bandRows; band * bandRows < m_placed[k].lastRow; ++band)
             inBand[std::size_t(band)].push_back(std::uint32_t(k));
     tbb::parallel_for(0, bands, [&](int band) {
         std::vector<Node> nodes;
-        const int first = band * kBandRows, last = std::min(m_height, first + kBandRows);
+        const int first = band * bandRows, last = std::min(m_height, first + bandRows);
         for (const std::uint32_t k : inBand[std::size_t(band)])
             drawTile(layers, m_placed[k], first, last, look, nodes);
     });
