@@ -172,7 +172,7 @@ std::string markdownOf(const Step& step)
     text += "\n| key | what | unit | default | |\n| --- | --- | --- | --- | --- |\n";
     for (const StepParameter& p : about.parameters)
         text += "| `" + p.key + "` | " + typeCell(p) + " | " + std::string(nameOf(p.unit)) + " | " + presetCell(p) +
-                " | " + escaped(p.help) + " |\n";
+                " | " + escaped(p.help + whenText(p)) + " |\n";
     return text;
 }
 
@@ -194,7 +194,7 @@ std::string textOfSteps()
             key.resize(std::max<std::size_t>(key.size() + 2, 28), ' ');
             text += key + p.help;
             if (!p.choices.empty()) text += " One of " + joined(p.choices) + ".";
-            text += unitText(p.unit) + " " + presetOrNeed(p) + "\n";
+            text += unitText(p.unit) + whenText(p) + " " + presetOrNeed(p) + "\n";
         }
     }
     return text;
@@ -206,18 +206,20 @@ Json jsonOfSteps()
     for (const Step* step : allSteps()) {
         Json parameters = Json::array();
         for (const StepParameter& p : step->parameters())
-            parameters.push_back({{"key", p.key},
-                                  {"label", p.label},
-                                  {"help", p.help},
-                                  {"type", nameOf(p.type)},
-                                  {"default", p.preset.empty() ? Json(nullptr) : Json(p.preset)},
-                                  {"default_text", presetText(p)},
-                                  {"min", p.min},
-                                  {"max", p.max},
-                                  {"optional", p.optional},
-                                  {"choices", p.choices},
-                                  {"unit", nameOf(p.unit)},
-                                  {"advanced", p.advanced}});
+            parameters.push_back(
+                {{"key", p.key},
+                 {"label", p.label},
+                 {"help", p.help},
+                 {"type", nameOf(p.type)},
+                 {"default", p.preset.empty() ? Json(nullptr) : Json(p.preset)},
+                 {"default_text", presetText(p)},
+                 {"min", p.min},
+                 {"max", p.max},
+                 {"optional", p.optional},
+                 {"choices", p.choices},
+                 {"unit", nameOf(p.unit)},
+                 {"advanced", p.advanced},
+                 {"when", p.when.key.empty() ? Json(nullptr) : Json({{p.when.key, p.when.value}})}});
         const StepDescription& about = step->description();
         all.push_back({{"name", about.name},
                        {"title", about.title},

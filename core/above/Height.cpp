@@ -22,21 +22,24 @@ const StepDescription& HeightStep::description() const
             "Measures how high each point is above the ground below it, and keeps it as HeightAboveGround. "
             "Outside the ground's rim the nearest point of the ground counts.",
         .source = "Delaunay 1934; Shepard 1968",
-        .parameters = {{.key = "method",
-                        .label = "Ground between its points",
-                        .help = "Flat triangles between all points (Delaunay), or the mean of the nearest points.",
-                        .type = Type::Choice,
-                        .preset = "triangulated",
-                        .choices = {"triangulated", "nearest"}},
-                       {.key = "neighbors",
-                        .label = "Nearest points",
-                        .help = "How many points of the ground the method nearest takes the mean of.",
-                        .type = Type::Integer,
-                        .preset = std::to_string(kGroundNeighbors),
-                        .min = 1,
-                        .max = 100,
-                        .advanced = true},
-                       groundParameter("The classes that are ground.")},
+        .parameters =
+            {{.key = "method",
+              .label = "Between points",
+              .help =
+                  "What the ground is between its points: flat triangles (Delaunay), or the mean of the nearest "
+                  "points.",
+              .type = Type::Choice,
+              .preset = "triangulated",
+              .choices = {"triangulated", "nearest"}},
+             {.key = "neighbors",
+              .label = "Nearest points",
+              .help = "How many points of the ground the mean is taken of.",
+              .type = Type::Integer,
+              .preset = std::to_string(kGroundNeighbors),
+              .min = 1,
+              .max = 100,
+              .when = {"method", "nearest"}},
+             groundParameter("The classes that are ground.")},
         .shows = kHeightName};
     return about;
 }

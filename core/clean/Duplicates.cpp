@@ -88,7 +88,7 @@ const StepDescription& DuplicatesStep::description() const
              .choices = {"place", "time", "return", "all"}},
             doParameter({"delete", "withheld", "class"}, "delete",
                         "Duplicates are deleted, or get a class or the flag Withheld."),
-            doClassParameter("7", "The class duplicates get, where they are not deleted.")}};
+            doClassParameter("7", "The class duplicates get.")}};
     return about;
 }
 

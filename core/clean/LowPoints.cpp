@@ -184,8 +184,8 @@ const StepDescription& LowPointsStep::description() const
                         .fit = {.spacings = 5, .meters = 10},
                         .min = 0,
                         .max = 1e9,
-                        .advanced = true,
-                        .unit = Unit::Length}},
+                        .unit = Unit::Length,
+                        .when = {"high", "yes"}}},
         .shows = "Classification"};
     return about;
 }

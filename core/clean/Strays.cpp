@@ -22,7 +22,7 @@ const StepDescription& StraysStep::description() const
             "picture: those that fitting the view leaves out.",
         .parameters = {doParameter({"delete", "withheld", "class"}, "delete",
                                    "Strays are deleted, or get a class or the flag Withheld."),
-                       doClassParameter("7", "The class strays get, where they are not deleted.")}};
+                       doClassParameter("7", "The class strays get.")}};
     return about;
 }
 

@@ -46,7 +46,8 @@ StepParameter doClassParameter(std::string preset, std::string help)
             .help = std::move(help),
             .type = StepParameter::Type::ClassCode,
             .preset = std::move(preset),
-            .optional = optional};
+            .optional = optional,
+            .when = {"do", "class"}};
 }
 
 std::unique_ptr<Command> markPoints(const std::string& name, const PointCloud& cloud,

@@ -167,6 +167,12 @@ std::string presetText(const StepParameter& parameter)
     return "Default: " + text + ".";
 }
 
+std::string whenText(const StepParameter& parameter)
+{
+    const StepParameter::When& when = parameter.when;
+    return when.key.empty() ? "" : " Only with " + when.key + "=" + when.value + ".";
+}
+
 std::optional<Value> parseNumber(std::string_view text)
 {
     if (text.starts_with('+')) {

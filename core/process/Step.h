@@ -87,5 +87,7 @@ DataScale dataScale(const PointCloud& cloud, Progress& progress);
 std::string presetOf(const StepParameter& parameter, const DataScale& scale);
 /// "Default: 3 times the spacing of the points."; empty where it has none.
 std::string presetText(const StepParameter& parameter);
+/// " Only with method=grid."; empty where it always has an effect.
+std::string whenText(const StepParameter& parameter);
 
 }  // namespace punctum

@@ -36,6 +36,11 @@ struct StepParameter {
         double meters = 0;
         bool used() const noexcept { return spacings > 0 || meters > 0; }
     };
+    /// It has an effect only where another parameter, a Choice, has this value: "method" is "grid". No key: always.
+    struct When {
+        std::string key{};
+        std::string value{};
+    };
     std::string key{};    ///< "k"
     std::string label{};  ///< "Neighbors"
     std::string help{};   ///< one line
@@ -50,6 +55,7 @@ struct StepParameter {
     bool advanced = false;   ///< a panel shows it on demand: the preset does nearly always
     Unit unit = Unit::None;
     std::vector<std::string> choices{};  ///< of a Choice
+    When when{};                         ///< a panel asks for it only then
 };
 
 using StepValues = std::map<std::string, std::string, std::less<>>;

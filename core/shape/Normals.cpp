@@ -70,10 +70,10 @@ const StepDescription& NormalsStep::description() const
               .choices = {"up", "viewpoint", "tree"}},
              {.key = "viewpoint",
               .label = "Viewpoint",
-              .help = "With orientation=viewpoint: where they look, x,y,z in the file's coordinates.",
+              .help = "Where they look, x,y,z in the file's coordinates.",
               .type = Type::Text,
               .optional = true,
-              .advanced = true},
+              .when = {"orientation", "viewpoint"}},
              {.key = "curvature",
               .label = "Curvature",
               .help = "Also keeps how much the surface bends, as Curvature: the least spread of the neighbors "

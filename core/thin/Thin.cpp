@@ -46,7 +46,8 @@ StepDescription describeThin()
              .fit = {.spacings = 3},
              .min = 1e-9,
              .max = 1e9,
-             .unit = Unit::Length},
+             .unit = Unit::Length,
+             .when = {"method", "grid"}},
             {.key = "keep",
              .label = "Keep",
              .help =
@@ -54,15 +55,19 @@ StepDescription describeThin()
                  "is nothing else), a random one, or the first in the file.",
              .type = Type::Choice,
              .preset = "middle",
-             .choices = {"middle", "lowest", "highest", "random", "first"}},
+             .choices = {"middle", "lowest", "highest", "random", "first"},
+             .when = {"method", "grid"}},
             {.key = "radius",
              .label = "Distance",
              .help = "Kept points are no nearer to each other than this.",
              .fit = {.spacings = 2},
              .min = 1e-9,
              .max = 1e9,
-             .unit = Unit::Length}}};
+             .unit = Unit::Length,
+             .when = {"method", "distance"}}}};
+    const std::size_t others = about.parameters.size();
     addWantedNumber(about.parameters);
+    for (std::size_t k = others; k < about.parameters.size(); ++k) about.parameters[k].when = {"method", "number"};
     for (StepParameter& parameter : thinnedParameters()) about.parameters.push_back(std::move(parameter));
     return about;
 }

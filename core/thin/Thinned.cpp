@@ -55,7 +55,7 @@ std::vector<StepParameter> thinnedParameters()
         doParameter(
             {"delete", "withheld", "class", "attribute"}, "delete",
             "What is not kept is deleted, gets the flag Withheld or a class, or is told by the attribute Kept."),
-        doClassParameter("", "The class of points that are not kept, for do=class.")};
+        doClassParameter("", "The class of points that are not kept.")};
 }
 
 std::shared_ptr<const PointSet> notThinned(const PointCloud& cloud, const PointSet* within, Progress& progress)

@@ -43,9 +43,11 @@ struct ClassStyle {
 const std::array<ClassStyle, 256>& asprsClasses();
 
 /// A color for an id: neighbors in value get unlike colors, the same id always the same. Shaders repeat this
-/// integer arithmetic: hue steps by the golden ratio, three rings of lightness.
+/// integer arithmetic: hue steps by the golden ratio, three rings of lightness. 0, which mostly means none (of no
+/// tree, in no cluster, flag not set), is gray.
 constexpr Rgba8 categoryColor(std::uint32_t id) noexcept
 {
+    if (id == 0) return {112, 116, 122, 255};
     // Hue in 1/1536 turns: six ramps of 256, from a multiplication hash (2^32 / golden ratio).
     const std::uint32_t hue = ((id * 2654435769u) >> 16) * 1536u >> 16;
     const std::uint32_t ramp = hue & 255u;

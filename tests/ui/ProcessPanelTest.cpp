@@ -194,6 +194,48 @@ private Q_SLOTS:
         QCOMPARE(difference(before, b.picture()), 0.0);
     }
 
+    /// What is told must not push a button away from under the mouse.
+    void buttonsStay()
+    {
+        PanelBench b;
+        QVERIFY(b.begin());
+        b.chooseWater(440);
+        QCoreApplication::processEvents();
+        const QPoint run = b.dock().runButton().mapTo(b.window.get(), QPoint());
+        b.press(b.dock().previewButton());
+        QVERIFY2(b.says(QStringLiteral("would change")), qPrintable(b.dock().resultText()));
+        QVERIFY(b.settle());
+        QCOMPARE(b.dock().runButton().mapTo(b.window.get(), QPoint()), run);
+    }
+
+    void asksForWhatMatters()
+    {
+        PanelBench b;
+        QVERIFY(b.begin());
+        StepForm& form = b.dock().form();
+        const auto shown = [&] {
+            QStringList names;
+            for (const QWidget* field : form.findChildren<QWidget*>())
+                if (!qobject_cast<const QToolButton*>(field) && !field->accessibleName().isEmpty() &&
+                    field->isVisibleTo(&form))
+                    names << field->accessibleName().section(QLatin1Char(' '), 0, 0);
+            return names;
+        };
+        b.dock().chooseStep(QStringLiteral("thin"));
+        QCOMPARE(shown(), QStringList({QStringLiteral("Method"), QStringLiteral("Cell"), QStringLiteral("Keep"),
+                                       QStringLiteral("Do")}));
+        b.dock().setValue(QStringLiteral("keep"), QStringLiteral("lowest"));
+        QVERIFY(form.values().contains("keep"));
+        b.dock().setValue(QStringLiteral("method"), QStringLiteral("distance"));
+        b.dock().setValue(QStringLiteral("do"), QStringLiteral("class"));
+        QCOMPARE(shown(), QStringList({QStringLiteral("Method"), QStringLiteral("Distance"), QStringLiteral("Do"),
+                                       QStringLiteral("Class")}));
+        // what has no effect is not told to the step, nor written into a recipe
+        QVERIFY(!form.values().contains("keep") && form.values().contains("method"));
+        b.dock().setValue(QStringLiteral("method"), QStringLiteral("grid"));
+        QCOMPARE(form.values().at("keep"), std::string("lowest"));
+    }
+
     void scopeIsKept()
     {
         PanelBench b;

@@ -2,6 +2,7 @@
 // The parts of ui that need no window: navigation, texts, icons.
 #include "ui/basic/Numbers.h"
 #include "ui/basic/Text.h"
+#include "ui/document/SavingText.h"
 #include "ui/marks/ScaleBar.h"
 #include "ui/select/SelectionSteps.h"
 #include "ui/style/Icons.h"
@@ -38,6 +39,25 @@ class UiPartsTest : public QObject
 {
     Q_OBJECT
 private slots:
+    /// Of a survey of many files, what is the same of several is said once, and not all is said at once.
+    void savedSurveysAreToldShortly()
+    {
+        SaveOutcome outcome;
+        std::vector<SessionPart> files(6);
+        for (std::size_t k = 0; k < files.size(); ++k) {
+            const std::string name = "tile" + std::to_string(k) + ".laz";
+            files[k].path = name;
+            outcome.parts.push_back(k);
+            outcome.report.notes.push_back(name + ": " + std::to_string(k + 1) + " points are left out.");
+            outcome.report.notes.push_back(name + ": Stored as extra bytes: TreeId.");
+        }
+        const QString text = savedPartsText(outcome, files, true, {});
+        QCOMPARE(text.count(QStringLiteral("Stored as extra bytes")), 1);
+        QVERIFY2(text.contains(QStringLiteral("6 files: Stored as extra bytes: TreeId.")), qPrintable(text));
+        QVERIFY2(text.endsWith(QStringLiteral("tile0.laz: 1 points are left out. tile1.laz: 2 points are left out. "
+                                              "4 more in the details.")),
+                 qPrintable(text));
+    }
     void clickMovesNothing()
     {
         Navigation navigation;

@@ -19,10 +19,43 @@ QString tr(const char* text)
     return QCoreApplication::translate("Saving", text);
 }
 
-QString notesText(const std::vector<std::string>& notes)
+constexpr qsizetype kMostNotes = 3;  ///< of a survey of many files; the details have them all
+
+/// A note without the file that it is of: those of a survey begin with "name.laz: ".
+QString withoutFile(const QString& note)
 {
+    const qsizetype end = note.indexOf(QStringLiteral(": "));
+    const QString name = note.left(end).toLower();
+    const bool file = end > 0 && (name.endsWith(QStringLiteral(".las")) || name.endsWith(QStringLiteral(".laz")));
+    return file ? note.mid(end + 2) : note;
+}
+
+/// So many of the notes at most; what is the same of several files is said once, and first.
+QString notesText(const std::vector<std::string>& notes, qsizetype most)
+{
+    struct Group {
+        QString note, text;
+        int files = 0;
+    };
+    std::vector<Group> groups;
+    for (const std::string& one : notes) {
+        const QString note = toQString(one), text = withoutFile(note);
+        const auto same =
+            std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.text == text; });
+        if (same == groups.end())
+            groups.push_back({note, text, 1});
+        else
+            ++same->files;
+    }
+    std::stable_sort(groups.begin(), groups.end(),
+                     [](const Group& a, const Group& b) { return a.files > b.files; });
     QStringList sentences;
-    for (const std::string& note : notes) sentences << toQString(note);
+    for (const Group& group : groups) {
+        if (sentences.size() == most) break;
+        sentences << (group.files == 1 ? group.note : tr("%1 files: %2").arg(group.files).arg(group.text));
+    }
+    if (const auto rest = qsizetype(groups.size()) - sentences.size(); rest > 0)
+        sentences << tr("%1 more in the details.").arg(countText(std::uint64_t(rest)));
     return sentences.join(QLatin1Char(' '));
 }
 
@@ -36,7 +69,7 @@ QString withFigures(const QString& saved, const SaveOutcome& outcome)
         sentences << (changes.isEmpty() ? tr("Nothing in it changed.") : tr("Changes: %1.").arg(changes));
     }
     if (!outcome.compared || las::dropsOrUpgrades(outcome.preview.difference)) {
-        const QString notes = notesText(outcome.report.notes);
+        const QString notes = notesText(outcome.report.notes, kMostNotes);
         if (!notes.isEmpty()) sentences << notes;
     }
     return sentences.join(QLatin1Char(' '));
@@ -98,7 +131,7 @@ QString savingQuestion(const las::SavePreview& preview)
     if (!las::dropsOrUpgrades(preview.difference)) return {};
     QString text =
         tr("Compared with the file that was opened: %1.").arg(toQString(las::summary(preview.difference)));
-    const QString notes = notesText(preview.notes);
+    const QString notes = notesText(preview.notes, qsizetype(preview.notes.size()));
     if (!notes.isEmpty()) text += QStringLiteral("\n\n") + notes;
     return text;
 }

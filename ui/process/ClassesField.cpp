@@ -78,6 +78,7 @@ ClassesField::ClassesField(QWidget* parent) : QWidget(parent), m_edit(new QLineE
     m_edit->setPlaceholderText(tr("2, 8-9"));
     m_edit->setMinimumWidth(40);
     m_button->setArrowType(Qt::DownArrow);
+    m_button->setStyleSheet(QStringLiteral("QToolButton::menu-indicator { image: none; }"));  // one arrow will do
     m_button->setPopupMode(QToolButton::InstantPopup);
     m_button->setFocusPolicy(Qt::StrongFocus);
     m_button->setAccessibleName(tr("Choose classes"));

@@ -212,12 +212,13 @@ QWidget* ProcessingDock::makeFooter()
     auto* more = new FoldingRow(6);
     more->first().addWidget(m_before);
     more->second().addWidget(m_add);
-    column->addLayout(row);
-    column->addWidget(more);
-    column->addWidget(m_progress);
     m_result->setAlignment(Qt::AlignLeft | Qt::AlignTop);
     m_resultArea->setFocusPolicy(Qt::NoFocus);
+    // What is told comes above the buttons, so that they do not move away from under the mouse.
     column->addWidget(m_resultArea);
+    column->addWidget(m_progress);
+    column->addLayout(row);
+    column->addWidget(more);
     return footer;
 }
 
@@ -500,7 +501,7 @@ void ProcessingDock::updateState()
     m_back->setEnabled(!busy);
     m_chooser->setEnabled(!busy);
     m_chain->setBusy(busy || !ready);
-    m_chain->setVisible(!step || busy || !m_chain->chain().empty());
+    m_chain->setVisible(!step || !m_chain->chain().empty());
 }
 
 void ProcessingDock::updateProgress()

@@ -201,7 +201,11 @@ void ScopeField::count()
     QString problem;
     if (scope.kind != StepScope::Kind::All || m_settings.lockedClasses() != std::array<bool, 256>{}) {
         const auto said = this->scope(problem);
-        if (!said) return;  // it is said when somebody wants to run it
+        if (!said) {  // it is said when somebody wants to run it; what is still empty is no mistake yet
+            if (m_classes->text().isEmpty()) markWrong(m_classes->edit(), {});
+            if (m_condition->text().trimmed().isEmpty()) m_condition->markProblem({});
+            return;
+        }
         scope = *said;
     }
     if (scope.kind == StepScope::Kind::All && scope.locked.none()) return;  // nothing new in that

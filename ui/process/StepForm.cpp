@@ -126,6 +126,7 @@ QWidget* StepForm::makeField(const StepParameter& parameter)
 {
     const auto tell = [this] {
         if (m_filling) return;
+        fold();
         markChanged();
         emit changed();
     };
@@ -198,6 +199,7 @@ void StepForm::addField(const StepParameter& parameter)
         found->widget->setFocus();
     });
     QString help = toQString(parameter.help);
+    help += toQString(whenText(parameter));
     if (const std::string preset = presetText(parameter); !preset.empty())
         help += QLatin1Char(' ') + toQString(preset);
     for (QWidget* widget : std::initializer_list<QWidget*>{field.name, field.widget}) widget->setToolTip(help);
@@ -206,14 +208,23 @@ void StepForm::addField(const StepParameter& parameter)
     m_fields.push_back(std::move(field));
 }
 
+bool StepForm::matters(const Field& field) const
+{
+    const StepParameter::When& when = field.parameter.when;
+    return when.key.empty() || std::any_of(m_fields.begin(), m_fields.end(), [&](const Field& other) {
+               return other.parameter.key == when.key && valueOf(other) == toQString(when.value);
+           });
+}
+
+/// Shows what is asked for: with *More settings* also what seldom is, and nothing that has no effect.
 void StepForm::fold()
 {
     bool any = false;
     for (const Field& field : m_fields) {
-        if (!field.parameter.advanced) continue;
-        any = true;
-        for (QWidget* widget : {static_cast<QWidget*>(field.name), field.row})
-            widget->setVisible(m_more->isChecked());
+        const bool matter = matters(field);
+        any = any || (field.parameter.advanced && matter);
+        const bool shown = matter && (!field.parameter.advanced || m_more->isChecked());
+        for (QWidget* widget : {static_cast<QWidget*>(field.name), field.row}) widget->setVisible(shown);
     }
     m_more->setVisible(any);
     m_more->setText(m_more->isChecked() ? tr("Fewer settings") : tr("More settings"));
@@ -359,7 +370,7 @@ StepValues StepForm::values(bool changedOnly) const
     StepValues values;
     for (const Field& field : m_fields) {
         const QString text = valueOf(field);
-        if (text.isEmpty()) continue;
+        if (text.isEmpty() || !matters(field)) continue;
         const bool own =
             toQString(field.parameter.preset) != text && !(field.parameter.fit.used() && text == field.preset);
         if (!changedOnly || own) values[field.parameter.key] = text.toStdString();
@@ -374,6 +385,7 @@ QString StepForm::check()
         QString why;
         const QString text = valueOf(field);
         const StepParameter& p = field.parameter;
+        if (!matters(field)) continue;
         const bool spared = p.optional || !p.preset.empty() || p.fit.used() || (p.wholeOnly && m_narrowed);
         QWidget* marked = field.widget;
         if (auto* number = qobject_cast<NumberField*>(field.widget)) {
@@ -404,7 +416,8 @@ void StepForm::markProblem(const QString& sentence)
 
 bool StepForm::anyChanged() const
 {
-    return std::any_of(m_fields.begin(), m_fields.end(), [&](auto& f) { return valueOf(f) != f.preset; });
+    return std::any_of(m_fields.begin(), m_fields.end(),
+                       [&](auto& f) { return matters(f) && valueOf(f) != f.preset; });
 }
 
 void StepForm::markChanged()

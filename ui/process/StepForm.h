@@ -69,6 +69,7 @@ private:
     void fillPresets();
     void fold();
     QString valueOf(const Field& field) const;
+    bool matters(const Field& field) const;
     bool put(Field& field, const QString& text);
     void markChanged();
 

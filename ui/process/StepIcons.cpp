@@ -16,7 +16,7 @@ namespace
 {
 
 /// Steps, by what their names have in them, whose picture is not that of their group.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 22> kPictures = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 25> kPictures = {{
     {"above", "step-height"},
     {"height", "step-height"},
     {"vegetation", "step-vegetation"},
@@ -26,13 +26,16 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 22> kPicture
     {"normal", "step-normals"},
     {"curvature", "step-features"},
     {"feature", "step-features"},
-    {"splat", "step-normals"},
+    {"splat", "step-splats"},
+    {"cluster", "step-clusters"},
     {"low", "step-low"},
     {"stray", "step-stray"},
-    {"isolated", "step-stray"},
+    {"isolated", "step-isolated"},
     {"duplicate", "step-duplicates"},
+    {"radius-outlier", "step-radius"},
     {"outlier", "step-outliers"},
     {"ground", "step-ground"},
+    {"thin-to", "step-thin-to"},
     {"thin", "step-thin"},
     {"set", "step-rule"},
     {"restore", "undo"},

@@ -16,6 +16,7 @@ uvec4 unpack(uint color) { return uvec4(color, color >> 8, color >> 16, color >>
 
 uvec4 categoryColor(uint id)
 {
+    if (id == 0u) return uvec4(112u, 116u, 122u, 255u);  // none
     const uint hue = (((id * 2654435769u) >> 16) * 1536u) >> 16;
     const uint ramp = hue & 255u, ring = id % 3u;
     const uint hi = ring == 0u ? 235u : ring == 1u ? 205u : 250u;
