@@ -4,6 +4,7 @@
 #include "app/Console.h"
 #include "app/HelpFormatter.h"
 #include "app/Interrupt.h"
+#include "app/MemoryOption.h"
 #include "app/commands/Command.h"
 #include "core/Error.h"
 #include "core/task/Progress.h"
@@ -49,7 +50,7 @@ void describe(CLI::App& root, Action& action)
     root.footer(
         "Options of the window: --backend cpu, gl-compute or gl-points draws; --order stratified or prime; "
         "--budget MS\n"
-        "for a frame in motion, or --budget-points N in each frame.\n"
+        "for a frame in motion, or --budget-points N in each frame; --memory SIZE for what points keep in memory.\n"
         "Exit code: 0 done, 1 the work failed (one sentence says why), 2 wrong usage.\n"
         "punctum COMMAND --help tells the options of a command.");
 }
@@ -131,6 +132,14 @@ CLI::App& addCommand(CLI::App& root, const std::string& name, const std::string&
     CLI::App& command = *root.add_subcommand(name, description);
     command.set_help_flag("-h,--help", "Show this help");
     command.set_version_flag("--version", kVersion, "Show the version");
+    command
+        .add_option_function<std::string>(
+            "--memory",
+            [](const std::string& text) {
+                if (std::string wrong = takeMemoryBudget(text); !wrong.empty()) throw CLI::ValidationError(wrong);
+            },
+            "What points may keep in memory, such as 2G; the rest is on the disk")
+        ->type_name("SIZE");
     return command;
 }
 

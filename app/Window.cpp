@@ -3,6 +3,7 @@
 
 #include "app/Cli.h"
 #include "app/Console.h"
+#include "app/MemoryOption.h"
 #include "ui/basic/Text.h"
 #include "ui/settings/WindowSettings.h"
 #include "ui/view/ViewSettings.h"
@@ -78,6 +79,9 @@ WindowRequest understand(int argc, char** argv)
                 request.wrong = "\"" + text +
                                 "\" is no budget; write --budget with 1 to 1000 ms a frame, or "
                                 "--budget-points with a number of points.";
+        } else if (word == "--memory") {
+            if (std::string wrong = takeMemoryBudget(k + 1 < argc ? argv[++k] : ""); !wrong.empty())
+                request.wrong = std::move(wrong);
         } else if (isQtOption(word)) {
             request.platformGiven |= word.ends_with("platform");
             ++k;

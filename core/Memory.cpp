@@ -3,12 +3,26 @@
 
 #include <unistd.h>
 
+#include <atomic>
 #include <fstream>
 #include <limits>
 #include <string>
 
 namespace punctum
 {
+
+namespace
+{
+
+std::atomic<std::uint64_t> g_memoryBudget{0};  // 0: the preset
+
+}  // namespace
+
+std::uint64_t machineMemory() noexcept
+{
+    const long pages = ::sysconf(_SC_PHYS_PAGES), bytes = ::sysconf(_SC_PAGESIZE);
+    return pages > 0 && bytes > 0 ? std::uint64_t(pages) * std::uint64_t(bytes) : 0;
+}
 
 std::uint64_t availableMemory()
 {
@@ -17,8 +31,23 @@ std::uint64_t availableMemory()
         std::uint64_t kibibytes = 0;
         if (name == "MemAvailable:" && file >> kibibytes) return kibibytes * 1024;
     }
-    const long pages = ::sysconf(_SC_PHYS_PAGES), bytes = ::sysconf(_SC_PAGESIZE);
-    return pages > 0 && bytes > 0 ? std::uint64_t(pages) * std::uint64_t(bytes) : 0;
+    return machineMemory();
+}
+
+std::uint64_t memoryBudget() noexcept
+{
+    const std::uint64_t set = g_memoryBudget.load(std::memory_order_relaxed);
+    return set != 0 ? set : machineMemory() / 5 * 4;
+}
+
+void setMemoryBudget(std::uint64_t bytes) noexcept
+{
+    g_memoryBudget.store(bytes, std::memory_order_relaxed);
+}
+
+bool memoryBudgetSet() noexcept
+{
+    return g_memoryBudget.load(std::memory_order_relaxed) != 0;
 }
 
 }  // namespace punctum

@@ -47,7 +47,7 @@ public:
           m_type(type),
           m_components(components),
           m_size(size),
-          m_buffer(size * components * sizeOf(type)),
+          m_buffer(size * components * sizeOf(type), BufferUse::Points),
           m_data(m_buffer.data())
     {
     }
@@ -76,6 +76,8 @@ public:
 
     std::byte* data() noexcept { return m_data; }
     const std::byte* data() const noexcept { return m_data; }
+    /// Its memory is a file already (Residency).
+    bool inFile() const noexcept { return m_whole ? m_whole->inFile() : m_buffer.inFile(); }
 
     /// Points of files that lack the field, as ranges in rising order; set before other threads see the column.
     const std::vector<PointRange>& absent() const noexcept { return m_absent; }

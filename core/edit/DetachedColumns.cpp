@@ -86,7 +86,7 @@ void DetachedColumns::spill(SpillFile& file)
 {
     for (Detached& one : m_all) {
         const std::size_t bytes = wholePages(*one.column);
-        if (one.piece || bytes == 0) continue;
+        if (one.piece || bytes == 0 || one.column->inFile()) continue;
         SpillFile::Piece piece = file.write({one.column->data(), bytes}, std::size_t(::sysconf(_SC_PAGESIZE)));
         piece.mapOver(one.column->data());
         one.piece = std::move(piece);
@@ -110,7 +110,8 @@ void DetachedColumns::fetch()
 std::size_t DetachedColumns::memory() const noexcept
 {
     std::size_t bytes = 0;
-    for (const Detached& one : m_all) bytes += bytesOf(*one.column) - (one.piece ? one.piece->size() : 0);
+    for (const Detached& one : m_all)
+        if (!one.column->inFile()) bytes += bytesOf(*one.column) - (one.piece ? one.piece->size() : 0);
     return bytes;
 }
 

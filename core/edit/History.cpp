@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/edit/History.h"
 
-#include "core/MachineMemory.h"
+#include "core/Memory.h"
 #include "core/edit/Command.h"
 #include "core/edit/Journal.h"
 #include "core/edit/SpillFile.h"
@@ -97,7 +97,7 @@ bool hasMember(const PointSet& points, PointRange range)
 std::size_t HistoryRoom::defaultMemory() noexcept
 {
     constexpr std::size_t kLeast = std::size_t(256) << 20;
-    return std::max(kLeast, std::size_t(machineMemory() / 16));
+    return std::max(kLeast, std::size_t(memoryBudget() / 16));
 }
 
 void History::push(std::unique_ptr<Command> command)

@@ -18,7 +18,7 @@ struct HistoryRoom {
     std::filesystem::path folder{};  ///< of that file; empty: all stays in memory
     bool undo = true;                ///< false: nothing is kept, since nobody will undo
 
-    /// A sixteenth of what the machine has, and no less than 256 MiB.
+    /// A sixteenth of memoryBudget(), and no less than 256 MiB.
     static std::size_t defaultMemory() noexcept;
 };
 

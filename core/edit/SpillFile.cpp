@@ -2,9 +2,8 @@
 #include "core/edit/SpillFile.h"
 
 #include "core/Error.h"
+#include "core/NamelessFile.h"
 
-#include <fcntl.h>
-#include <stdlib.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -64,12 +63,8 @@ void SpillFile::Piece::mapOver(std::byte* pages) const
 
 std::shared_ptr<SpillFile> SpillFile::create(const std::filesystem::path& folder)
 {
-    std::error_code ignored;
-    std::filesystem::create_directories(folder, ignored);
-    std::string name = (folder / "undo-XXXXXX").string();
-    const int file = ::mkostemp(name.data(), O_CLOEXEC);
+    const int file = openNameless(folder, "undo");
     if (file < 0) failWriting(errno);
-    ::unlink(name.c_str());
     return std::shared_ptr<SpillFile>(new SpillFile(file));
 }
 

@@ -87,7 +87,7 @@ public:
     DecodedRecords(const Reader& reader, Progress& progress, std::vector<std::string>& warnings)
         : m_length(reader.source()->layout.length),
           m_points(reader.source()->pointCount),
-          m_records(std::size_t(m_points * m_length))
+          m_records(std::size_t(m_points * m_length), BufferUse::Points)
     {
         progress.begin("Reading " + reader.source()->path.filename().string(), m_points);
         ReadResult result =

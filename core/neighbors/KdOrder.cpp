@@ -2,7 +2,7 @@
 #include "core/neighbors/KdOrder.h"
 
 #include "core/Error.h"
-#include "core/MachineMemory.h"
+#include "core/Memory.h"
 #include "core/task/Progress.h"
 
 #include <tbb/blocked_range.h>
@@ -29,7 +29,7 @@ constexpr std::size_t kSamplesPerBucket = 64;  ///< medians are then good to som
 constexpr std::size_t kRanges = 64;            ///< pieces of the cloud that are sorted side by side
 constexpr std::size_t kCheck = 1 << 14;        ///< points between two looks at the cancel flag
 constexpr std::size_t kLargeBucket = 1 << 20;  ///< looked at before it is copied: most of it may be in one place
-constexpr std::uint64_t kShareKept = 32;       ///< of the machine's memory, which a cloud's order may keep
+constexpr std::uint64_t kShareKept = 32;       ///< of memoryBudget(), which a cloud's order may keep
 
 std::size_t longestOf(const std::array<double, 3>& extents)
 {
@@ -78,7 +78,7 @@ std::shared_ptr<const KdOrder> KdOrder::of(const PointCloud& cloud, Progress& pr
     const bool asBefore = same(deleted, deletedPoints(cloud));
     const std::lock_guard lock(kept.mutex);
     kept.making = false;
-    if (asBefore && order->bytes() <= machineMemory() / kShareKept) {
+    if (asBefore && order->bytes() <= memoryBudget() / kShareKept) {
         kept.order = order;
         kept.without = deleted;
     }

@@ -133,7 +133,7 @@ std::unique_ptr<Arrangement> PointStore::arrangement(const RawBounds& bounds, Pr
 void PointStore::arrange(Arrangement&& made)
 {
     if (m_hidesAny) {
-        Buffer hidden(slotCount());
+        Buffer hidden(slotCount(), BufferUse::Drawing);
         const SlotOrder before = m_order;
         SlotOrder after = m_order;
         after.setRuns(made.runs);

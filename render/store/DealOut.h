@@ -19,9 +19,9 @@ struct SlotArrays {
     SlotArrays() = default;
     /// All empty. Throws Error (memory).
     explicit SlotArrays(Slot count)
-        : positions(std::size_t(count) * sizeof(LocalPosition)),
-          words(std::size_t(count) * sizeof(std::uint32_t)),
-          classes(count)
+        : positions(std::size_t(count) * sizeof(LocalPosition), BufferUse::Drawing),
+          words(std::size_t(count) * sizeof(std::uint32_t), BufferUse::Drawing),
+          classes(count, BufferUse::Drawing)
     {
     }
 };

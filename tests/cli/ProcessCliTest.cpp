@@ -53,6 +53,35 @@ private slots:
         QCOMPARE(run.json()["points"].toInt(), 30000);
     }
 
+    /// Columns that lie in files come to the same bytes; nothing of the files is left.
+    void worksBeyondTheMemoryBudget()
+    {
+        PUNCTUM_EXIT(runPunctum({"sample", path("large.las"), "--points", "1000000"}), 0);
+        const QStringList words{"process", path("large.las"),
+                                "--step",  "reclassify attribute=Intensity min=1000 max=20000 class=12",
+                                "--step",  "normals k=6"};
+        QTemporaryDir cache;
+        qputenv("XDG_CACHE_HOME", cache.path().toUtf8());
+        PUNCTUM_EXIT(runPunctum(words + QStringList{"-o", path("whole.laz")}), 0);
+        PUNCTUM_EXIT(runPunctum(words + QStringList{"-o", path("paged.laz"), "--memory", "16M"}), 0);
+        QVERIFY(!contentOf(path("whole.laz")).isEmpty());
+        QVERIFY(contentOf(path("whole.laz")) == contentOf(path("paged.laz")));
+        QVERIFY(QDir(cache.path()).exists("punctum"));  // so files were made
+        QVERIFY(QDir(cache.path() + "/punctum").isEmpty());
+        PUNCTUM_EXIT(runPunctum({"diff", path("whole.laz"), path("paged.laz"), "--memory", "16 MB"}), 0);
+
+        qputenv("XDG_CACHE_HOME", "/proc");  // where nothing can be made
+        const Outcome refused = runPunctum(words + QStringList{"-o", path("none.laz"), "--memory", "16M"});
+        qunsetenv("XDG_CACHE_HOME");
+        PUNCTUM_EXIT(refused, 1);
+        QVERIFY2(refused.oneSentence() && refused.err.contains("memory budget"), qPrintable(refused.err));
+        QVERIFY(!QFile::exists(path("none.laz")));
+        const Outcome wrong = runPunctum({"info", path("in.las"), "--memory", "much"});
+        PUNCTUM_EXIT(wrong, 2);
+        QVERIFY2(wrong.err.contains("--memory must be a size"), qPrintable(wrong.err));
+        PUNCTUM_EXIT(runPunctum({"info", path("in.las"), "--memory", "5M"}), 2);
+    }
+
     void addsNormalsThatLookUp()
     {
         PUNCTUM_EXIT(runPunctum({"process", path("in.las"), "-o", path("normals.las"), "--step", "normals k=12"}),

@@ -275,7 +275,7 @@ private slots:
             reason = asked.reason;
             answer(wanted);
         };
-        test.window->opener().setMachineMemory(1'000'000);
+        test.window->opener().setMemory(1'000'000);
         test.window->openFiles({test.data.path()});
         QVERIFY(test.settle());
         QVERIFY(test.workspace().documents().empty());

@@ -2,7 +2,8 @@
 #include "ui/window/Opener.h"
 
 #include "core/FindFiles.h"
-#include "core/MachineMemory.h"
+#include "core/Memory.h"
+#include "core/cloud/Residency.h"
 #include "core/task/Progress.h"
 #include "ui/basic/Text.h"
 #include "ui/document/Workspace.h"
@@ -57,7 +58,7 @@ Opener::Opener(QWidget& window, Workspace& workspace, Viewport& view, WindowSett
       m_workspace(workspace),
       m_view(view),
       m_settings(settings),
-      m_memory(machineMemory())
+      m_memory(memoryBudget())
 {
     // Of the whole program: fields that take text would else take the name of a file that is dropped on them.
     QCoreApplication::instance()->installEventFilter(this);
@@ -167,19 +168,20 @@ void Opener::openFound(const Search& search)
                           origin = search.alone && one ? search.places.front() : QString()] {
         m_workspace.open(files, origin);
     };
-    const bool large = m_memory != 0 && search.memory > m_memory / 2;
+    const bool large = m_memory != 0 && search.memory > m_memory / 4 * 3;
     if (!large || search.files.isEmpty() || !m_workspace.askQuestion) return openAll();
     const auto files = std::size_t(search.files.size());
     m_workspace.askQuestion(
         {files == 1 ? tr("%1 may not fit into memory.").arg(QFileInfo(search.files.front()).fileName())
          : one      ? tr("%1 may not fit into memory.").arg(name)
                     : tr("These files may not fit into memory."),
-         (files == 1 ? tr("The file takes %1 on the disk, and about %2 once it is read; this machine "
-                          "has %3.")
-                     : tr("The %1 files take %2 on the disk, and about %3 once they are read; this "
-                          "machine has %4.")
+         (files == 1 ? tr("The file takes %1 on the disk, and about %2 once it is read; points may keep %3 in "
+                          "memory. What goes beyond lies in %4 while it is open, which is slower.")
+                     : tr("The %1 files take %2 on the disk, and about %3 once they are read; points may keep %4 "
+                          "in memory. What goes beyond lies in %5 while they are open, which is slower.")
                            .arg(countText(files)))
-             .arg(bytesText(search.bytes), bytesText(search.memory), bytesText(m_memory)),
+             .arg(bytesText(search.bytes), bytesText(search.memory), bytesText(m_memory),
+                  toQString(Residency::folder())),
          files == 1 ? tr("&Open") : tr("&Open All")},
         [openAll, guard = QPointer<Opener>(this)](bool wanted) {
             if (wanted && guard) openAll();

@@ -40,8 +40,8 @@ public:
     QStringList recentFiles() const;
     void clearRecentFiles();
 
-    /// Bytes, in place of what the machine has.
-    void setMachineMemory(std::uint64_t bytes) { m_memory = bytes; }
+    /// Bytes, in place of memoryBudget().
+    void setMemory(std::uint64_t bytes) { m_memory = bytes; }
 
     bool eventFilter(QObject* watched, QEvent* event) override;
 
@@ -60,7 +60,7 @@ private:
     Workspace& m_workspace;
     Viewport& m_view;
     WindowSettings& m_settings;
-    std::uint64_t m_memory;    ///< bytes that the machine has; 0: not known
+    std::uint64_t m_memory;    ///< bytes that points may keep; 0: not known
     QStringList m_remembered;  ///< newest last, not yet written down
     QTimer m_rememberTimer;
 };

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: MIT
+#include "core/cloud/Residency.h"
+
+#include "core/Error.h"
+#include "core/Memory.h"
+#include "core/NamelessFile.h"
+#include "core/Text.h"
+
+#include <fcntl.h>
+#include <linux/magic.h>
+#include <sys/mman.h>
+#include <sys/statfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <utility>
+
+namespace punctum
+{
+
+namespace
+{
+
+constexpr std::size_t kHugePage = std::size_t(2) << 20;
+constexpr std::size_t kSmall = std::size_t(1) << 20;       ///< less than this is not worth a file
+constexpr std::size_t kStride = std::size_t(8) << 20;      ///< let go of at once
+constexpr std::size_t kLookAgain = std::size_t(64) << 20;  ///< of strides between two looks at what is resident
+constexpr auto kPause = std::chrono::milliseconds(10);     ///< a fast machine touches some 50 MB meanwhile
+
+std::uint64_t share(std::uint64_t budget, BufferUse use)
+{
+    return use == BufferUse::Points ? budget / 2 : budget / 8 * 7;
+}
+
+/// Resident pages of files that the process has mapped, in bytes; 0 where the system does not tell.
+std::uint64_t residentOfFiles()
+{
+    std::ifstream statm("/proc/self/statm");
+    std::uint64_t total = 0, resident = 0, shared = 0;
+    if (!(statm >> total >> resident >> shared)) return 0;
+    return shared * std::uint64_t(::sysconf(_SC_PAGESIZE));
+}
+
+bool isMemory(const std::filesystem::path& folder)
+{
+    struct statfs about {
+    };
+    if (::statfs(folder.c_str(), &about) != 0) return false;
+    return about.f_type == TMPFS_MAGIC || about.f_type == RAMFS_MAGIC;
+}
+
+/// Room on the disk for the whole file, now. False, and errno, where there is none.
+bool takeRoom(int file, std::size_t bytes)
+{
+    if (::fallocate(file, 0, 0, off_t(bytes)) == 0) return true;
+    if (errno != EOPNOTSUPP) return false;
+    // A file system that cannot promise: it has to have the room at least.
+    struct statfs about {
+    };
+    if (::fstatfs(file, &about) != 0) return false;
+    if (std::uint64_t(about.f_bavail) * std::uint64_t(about.f_bsize) < bytes) {
+        errno = ENOSPC;
+        return false;
+    }
+    return ::ftruncate(file, off_t(bytes)) == 0;
+}
+
+BufferPlace takeMemory(std::size_t bytes, BufferUse use)
+{
+    void* const at =
+        ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (at == MAP_FAILED) throw Error("There is not enough memory: " + sizeText(bytes) + " more are needed.");
+    // Fewer page faults and TLB misses: measured on filling columns, not needed for correctness.
+    if (bytes >= kHugePage) (void)::madvise(at, bytes, MADV_HUGEPAGE);
+    return {static_cast<std::byte*>(at), bytes, use, false};
+}
+
+}  // namespace
+
+Residency& Residency::instance()
+{
+    static Residency* const only =
+        new Residency;  // never destroyed: arrays may be given back after main() has ended
+    return *only;
+}
+
+std::filesystem::path Residency::folder()
+{
+    const auto given = [](const char* name) {
+        const char* const value = std::getenv(name);
+        return std::filesystem::path(value != nullptr && *value == '/' ? value : "");
+    };
+    std::filesystem::path cache = given("XDG_CACHE_HOME");
+    if (cache.empty() && !given("HOME").empty()) cache = given("HOME") / ".cache";
+    if (cache.empty() || isMemory(cache)) return "/var/tmp";
+    return cache / "punctum";
+}
+
+bool Residency::fits(std::size_t bytes, BufferUse use) const
+{
+    const std::uint64_t most = share(memoryBudget(), use);
+    return m_inMemory <= most && bytes <= most - m_inMemory;
+}
+
+BufferPlace Residency::take(std::size_t bytes, BufferUse use)
+{
+    if (use == BufferUse::Working || bytes < kSmall) return takeMemory(bytes, BufferUse::Working);
+    const std::lock_guard lock(m_mutex);
+    if (!fits(bytes, use)) {
+        try {
+            return takeFile(bytes, use);
+        } catch (const Error&) {
+            // Nobody asked for a bound: what there is of memory is tried first, as other programs do.
+            if (memoryBudgetSet()) throw;
+        }
+    }
+    const BufferPlace place = takeMemory(bytes, use);
+    m_inMemory += bytes;
+    return place;
+}
+
+BufferPlace Residency::takeFile(std::size_t bytes, BufferUse use)
+{
+    const std::filesystem::path where = folder();
+    const int file = openNameless(where, "points");
+    void* at = MAP_FAILED;
+    if (file >= 0 && takeRoom(file, bytes))
+        at = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_NORESERVE, file, 0);
+    if (at == MAP_FAILED) {
+        const std::string why = std::strerror(errno);
+        if (file >= 0) ::close(file);
+        throw Error("There is no room for this: " + sizeText(bytes) + " more go beyond the memory budget of " +
+                    sizeText(memoryBudget()) + ", and " + where.string() + " cannot take them (" + why + ").");
+    }
+    if (m_mapped.empty()) m_others = residentOfFiles();
+    m_mapped[static_cast<std::byte*>(at)] = {bytes, file};
+    m_inFiles += bytes;
+    if (!m_keeper.joinable()) m_keeper = std::jthread([this](const std::stop_token& stop) { keepTo(stop); });
+    return {static_cast<std::byte*>(at), bytes, use, true};
+}
+
+void Residency::giveBack(const BufferPlace& place) noexcept
+{
+    if (place.at == nullptr) return;
+    std::jthread ended;  // joined when the lock is free
+    if (place.use != BufferUse::Working) {
+        const std::lock_guard lock(m_mutex);
+        if (place.inFile) {
+            const auto mapped = m_mapped.find(place.at);
+            ::close(mapped->second.file);
+            m_mapped.erase(mapped);
+            m_inFiles -= place.bytes;
+            if (m_mapped.empty()) ended = std::move(m_keeper);
+        } else {
+            m_inMemory -= place.bytes;
+        }
+    }
+    ::munmap(place.at, place.bytes);
+}
+
+std::uint64_t Residency::inMemory() const
+{
+    const std::lock_guard lock(m_mutex);
+    return m_inMemory;
+}
+
+std::uint64_t Residency::inFiles() const
+{
+    const std::lock_guard lock(m_mutex);
+    return m_inFiles;
+}
+
+std::uint64_t Residency::resident() const
+{
+    const std::lock_guard lock(m_mutex);
+    const std::uint64_t all = residentOfFiles();
+    return m_mapped.empty() || all < m_others ? 0 : all - m_others;
+}
+
+std::uint64_t Residency::residentMost() const
+{
+    const std::lock_guard lock(m_mutex);
+    const std::uint64_t budget = memoryBudget();
+    return std::max(budget / 8, budget - std::min(budget, m_inMemory));
+}
+
+void Residency::keepTo(const std::stop_token& stop)
+{
+    std::unique_lock lock(m_mutex);
+    while (!stop.stop_requested()) {
+        m_wake.wait_for(lock, stop, kPause, [] { return false; });
+        if (!stop.stop_requested()) letGo();
+    }
+}
+
+/// Pages that were written go on their way to the disk, so that the system has few that it cannot drop.
+void Residency::letGo()
+{
+    const std::uint64_t budget = memoryBudget();
+    const std::uint64_t most = m_others + std::max(budget / 8, budget - std::min(budget, m_inMemory));
+    if (residentOfFiles() <= most) return;
+    const std::uint64_t goal = most - (most - m_others) / 8;  // so that there is something to do in few pauses
+    std::uint64_t gone = 0, looked = 0;
+    while (gone < m_inFiles) {
+        auto at = m_mapped.upper_bound(m_hand);
+        std::size_t offset = 0;
+        if (at != m_mapped.begin() && m_hand < std::prev(at)->first + std::prev(at)->second.bytes)
+            offset = std::size_t(m_hand - (--at)->first);
+        else if (at == m_mapped.end())
+            at = m_mapped.begin();
+        auto& [first, mapped] = *at;
+        const std::size_t bytes = std::min(kStride, mapped.bytes - offset);
+        (void)::madvise(first + offset, bytes, MADV_DONTNEED);
+        (void)::sync_file_range(mapped.file, off_t(offset), off_t(bytes), SYNC_FILE_RANGE_WRITE);
+        m_hand = first + offset + bytes;
+        gone += bytes;
+        looked += bytes;
+        if (looked < kLookAgain && gone < m_inFiles) continue;
+        looked = 0;
+        if (residentOfFiles() <= goal) return;
+    }
+}
+
+}  // namespace punctum

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/cloud/Buffer.h"
+
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <thread>
+
+namespace punctum
+{
+
+/// Where large arrays lie, so that all of them together keep to memoryBudget().
+///
+/// Those that come first are memory for good. What comes when the share of their use is taken lies in a file
+/// without a name, which is mapped: to whoever reads or writes it, from any thread, with a lock or without, it is
+/// memory like any other. A thread of its own looks at how much of the files is resident, and lets go of pages, in
+/// turn, until it fits into what the budget leaves (an eighth at least): the file keeps their values, and they come
+/// back when they are touched. So nothing that works on columns has to know how large a cloud may be.
+///
+/// The disk's room is taken when an array is made, so that a full disk is an Error then and not a crash later.
+/// Any thread.
+class Residency
+{
+public:
+    static Residency& instance();
+    ~Residency() = default;
+    Residency(const Residency&) = delete;
+    Residency& operator=(const Residency&) = delete;
+
+    /// Zeros. `bytes`: whole pages. Throws Error where neither memory nor disk have room.
+    BufferPlace take(std::size_t bytes, BufferUse use);
+    void giveBack(const BufferPlace& place) noexcept;
+
+    std::uint64_t inMemory() const;  ///< bytes of all arrays that are counted and are memory for good
+    std::uint64_t inFiles() const;   ///< bytes of those that lie in files
+    /// Bytes of files that are resident at present, as the system counts them.
+    std::uint64_t resident() const;
+    /// Bytes of files that may stay resident.
+    std::uint64_t residentMost() const;
+
+    /// Where the files are made: the user's cache folder (XDG_CACHE_HOME/punctum, ~/.cache/punctum), or /var/tmp
+    /// where that is no disk but memory.
+    static std::filesystem::path folder();
+
+private:
+    Residency() = default;
+    bool fits(std::size_t bytes, BufferUse use) const;
+    BufferPlace takeFile(std::size_t bytes, BufferUse use);
+    void keepTo(const std::stop_token& stop);
+    void letGo();
+
+    struct Mapped {
+        std::size_t bytes = 0;
+        int file = -1;
+    };
+    mutable std::mutex m_mutex;  ///< guards what follows; pages are let go of while it is held
+    std::condition_variable_any m_wake;
+    std::uint64_t m_inMemory = 0, m_inFiles = 0;
+    std::uint64_t m_others = 0;             ///< resident pages of files that are not ours: the program itself
+    std::map<std::byte*, Mapped> m_mapped;  ///< by address
+    std::byte* m_hand = nullptr;            ///< where letting go goes on
+    std::jthread m_keeper;                  ///< while there are files
+};
+
+}  // namespace punctum
