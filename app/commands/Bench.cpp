@@ -156,6 +156,7 @@ void addBench(CLI::App& root, Action& action)
                                  "Measure loading, drawing, attribute switch, edits, saving or "
                                  "processing on a file of yours.");
     addBenchLoad(bench, action);
+    addBenchOpen(bench, action);
     addBenchSave(bench, action);
     addBenchRender(bench, action);
     addBenchView(bench, action);

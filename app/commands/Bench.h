@@ -32,6 +32,7 @@ void addBenchOptions(CLI::App& command, BenchOptions& options);
 
 // Each adds one benchmark below `punctum bench`.
 void addBenchLoad(CLI::App& bench, Action& action);
+void addBenchOpen(CLI::App& bench, Action& action);
 void addBenchSave(CLI::App& bench, Action& action);
 void addBenchRender(CLI::App& bench, Action& action);
 void addBenchView(CLI::App& bench, Action& action);

@@ -52,6 +52,22 @@ private slots:
         }
     }
 
+    void measuresOpening()
+    {
+        QVERIFY(QDir().mkpath(path("tiles")));
+        for (const char* name : {"tiles/a.laz", "tiles/b.laz"}) QVERIFY(QFile::copy(path("in.laz"), path(name)));
+        const Outcome run =
+            runPunctum({"bench", "open", path("tiles"), "--json", "--rounds", "1", "--memory", "16M"});
+        PUNCTUM_EXIT(run, 0);
+        const QJsonObject figures = run.json().object();
+        QCOMPARE(figures["parts"].toInt(), 2);
+        QCOMPARE(figures["points"].toInt(), 400'000);
+        for (const char* when : {"cold", "again"})
+            for (const char* key :
+                 {"headers_ms", "first_picture_ms", "overview_ms", "complete_ms", "street_ms", "peak_rss_mb"})
+                QVERIFY2(isFigure(figures[when][key], 1e-6), key);
+    }
+
     void measuresDrawing()
     {
         const Outcome run =

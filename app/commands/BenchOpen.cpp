@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+// punctum bench open: a survey from its headers to the full picture, and to that of a street after a jump.
+#include "app/commands/Bench.h"
+#include "core/Error.h"
+#include "core/task/Progress.h"
+#include "render/store/CloudLoad.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <fstream>
+#include <memory>
+#include <thread>
+
+namespace punctum::app
+{
+
+namespace
+{
+
+/// Asks the system to forget what it has of the file in memory, so that it comes from the disk once more.
+void coolFileCache(const std::filesystem::path& path)
+{
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) return;
+    (void)::posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED);
+    ::close(file);
+}
+
+/// From now on the peak of resident memory counts anew, where the system can do that.
+void restartPeak()
+{
+    std::ofstream("/proc/self/clear_refs") << 5;
+}
+
+double peakMegabytes()
+{
+    std::ifstream status("/proc/self/status");
+    for (std::string word; status >> word;) {
+        double kibibytes = 0;
+        if (word == "VmHWM:" && status >> kibibytes) return kibibytes * 1024e-6;
+    }
+    return 0;
+}
+
+/// A tenth of the sides of the first part, from aslant: what a street takes.
+render::Camera streetCamera(const Survey& survey)
+{
+    const PointCloud& cloud = *survey.cloud();
+    const auto boxes = cloud.boxes();
+    RawBounds bounds;
+    for (std::size_t k = 0; k < boxes->size() && boxes->points(k).first < survey.parts().front().points.last; ++k)
+        bounds.include((*boxes)[k]);
+    WorldBounds box = cloud.coordinates().toWorld(bounds);
+    const glm::dvec3 margin = (box.max - box.min) * glm::dvec3(0.45, 0.45, 0.0);
+    render::Camera camera;
+    camera.setView("iso");
+    camera.stretch = trueLengths(cloud, box).stretch;
+    box.min += margin;
+    box.max -= margin;
+    camera.fit(box, {kBenchWidth, kBenchHeight});
+    return camera;
+}
+
+/// Whether every part of the survey has a point in the picture.
+bool showsEveryPart(render::ProgressiveRenderer& renderer, const Survey& survey)
+{
+    const PointSet visible = renderer.visiblePoints(*survey.cloud());
+    for (const Survey::Part& part : survey.parts()) {
+        bool found = part.points.empty();
+        for (PointIndex i = part.points.first; i < part.points.last && !found; ++i) found = visible.contains(i);
+        if (!found) return false;
+    }
+    return true;
+}
+
+/// Draws until the picture is full.
+void drawFull(render::ProgressiveRenderer& renderer, Progress& progress)
+{
+    while (!renderer.renderFrame(render::kFrameSeconds).converged) progress.check();
+}
+
+/// Once from the files to the pictures. `prefix`: of the figures' names.
+void openOnce(const BenchOptions& options, const std::string& prefix, Figures& figures, Progress& progress)
+{
+    HeadlessRenderer headless("auto");  // the window and its backend are there before a survey is opened
+    render::ProgressiveRenderer& renderer = headless.renderer();
+    renderer.setSize(kBenchWidth, kBenchHeight);
+    renderer.setDisplay(render::DisplaySettings());
+    restartPeak();
+
+    const Clock clock;
+    const render::CloudLoad load(Session::open(inputFiles({options.file}, progress), {}, progress));
+    const Survey& survey = load.session()->survey();
+    figures.add(prefix + "headers_ms", clock.milliseconds());
+    renderer.addCloud(load.store());
+    render::Camera camera;
+    camera.setView("iso");
+    camera.stretch = trueLengths(*survey.cloud(), survey.firstBounds()).stretch;
+    camera.fit(survey.firstBounds(), {kBenchWidth, kBenchHeight});
+    renderer.setCamera(camera);
+
+    std::atomic<bool> ended{false};
+    std::string failure;
+    std::thread reading([&] {
+        try {
+            (void)load.read(progress);
+        } catch (const Cancelled&) {
+            // check() tells it below
+        } catch (const std::exception& error) {
+            failure = error.what();
+        }
+        ended = true;
+    });
+    double first = 0, overview = 0;
+    try {
+        for (bool last = false; !last;) {
+            last = ended;
+            (void)renderer.renderFrame(render::kFrameSeconds);
+            if (first == 0 && renderer.coveredShare() > 0) first = clock.milliseconds();
+            if (first != 0 && overview == 0 && showsEveryPart(renderer, survey)) overview = clock.milliseconds();
+            if (renderer.converged()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+    } catch (...) {
+        progress.cancel();
+        reading.join();
+        throw;
+    }
+    reading.join();
+    progress.check();
+    if (!failure.empty()) throw Error(failure);
+    drawFull(renderer, progress);
+    const double complete = clock.milliseconds();
+    figures.add(prefix + "first_picture_ms", first != 0 ? first : complete);
+    figures.add(prefix + "overview_ms", overview != 0 ? overview : complete);
+    figures.add(prefix + "complete_ms", complete);
+
+    const Clock jump;
+    renderer.setCamera(streetCamera(survey));
+    drawFull(renderer, progress);
+    figures.add(prefix + "street_ms", jump.milliseconds());
+    figures.add(prefix + "peak_rss_mb", peakMegabytes());
+}
+
+void runBenchOpen(const BenchOptions& options, Progress& progress)
+{
+    const auto files = inputFiles({options.file}, progress);
+    Figures figures;
+    figures.fact("parts", files.size());
+    figures.fact("points", Session::open(files, {}, progress)->cloud()->size());
+    for (int round = 0; round < options.rounds; ++round) {
+        for (const auto& file : files) coolFileCache(file);
+        openOnce(options, "cold.", figures, progress);
+        openOnce(options, "again.", figures, progress);
+    }
+    figures.report(options);
+}
+
+}  // namespace
+
+void addBenchOpen(CLI::App& bench, Action& action)
+{
+    CLI::App& command = addCommand(
+        bench, "open",
+        "Opening a survey, from the disk and once more: headers, the first picture, one with a point of every "
+        "file, the full one, and the full one after a jump to a street; with the most memory that it took");
+    const auto options = std::make_shared<BenchOptions>();
+    addBenchOptions(command, *options);
+    command.callback([options, &action] { action = [options](Progress& p) { runBenchOpen(*options, p); }; });
+}
+
+}  // namespace punctum::app
