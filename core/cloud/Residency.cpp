@@ -56,20 +56,23 @@ bool isMemory(const std::filesystem::path& folder)
     return about.f_type == TMPFS_MAGIC || about.f_type == RAMFS_MAGIC;
 }
 
-/// Room on the disk for the whole file, now. False, and errno, where there is none.
+/// Room on the disk for the whole file, now, if a twentieth of the disk stays free for others: a file that tells of
+/// more points than it has may ask for anything. False, and errno, where there is none.
 bool takeRoom(int file, std::size_t bytes)
 {
-    if (::fallocate(file, 0, 0, off_t(bytes)) == 0) return true;
-    if (errno != EOPNOTSUPP) return false;
-    // A file system that cannot promise: it has to have the room at least.
     struct statfs about {
     };
     if (::fstatfs(file, &about) != 0) return false;
-    if (std::uint64_t(about.f_bavail) * std::uint64_t(about.f_bsize) < bytes) {
+    const auto block = std::uint64_t(about.f_bsize);
+    const std::uint64_t free = std::uint64_t(about.f_bavail) * block,
+                        spared = std::uint64_t(about.f_blocks) * block / 20;
+    if (free < spared || free - spared < bytes) {
         errno = ENOSPC;
         return false;
     }
-    return ::ftruncate(file, off_t(bytes)) == 0;
+    if (::fallocate(file, 0, 0, off_t(bytes)) == 0) return true;
+    // A file system that cannot promise has the room at least.
+    return errno == EOPNOTSUPP && ::ftruncate(file, off_t(bytes)) == 0;
 }
 
 BufferPlace takeMemory(std::size_t bytes, BufferUse use)

@@ -33,6 +33,8 @@ namespace punctum::ui
 namespace
 {
 
+constexpr int kNarrow = 220;  // px: where a name and its field beside each other leave too little of the field
+
 using Type = StepParameter::Type;
 
 bool isNumeric(const StepParameter& parameter)
@@ -101,6 +103,13 @@ StepForm::StepForm(QWidget* parent)
     column->addWidget(m_more, 0, Qt::AlignLeft);
     connect(m_more, &QPushButton::toggled, this, &StepForm::fold);
     fold();
+}
+
+/// In a narrow panel fields stand below their names.
+void StepForm::resizeEvent(QResizeEvent* event)
+{
+    QWidget::resizeEvent(event);
+    m_form->setRowWrapPolicy(width() < kNarrow ? QFormLayout::WrapAllRows : QFormLayout::WrapLongRows);
 }
 
 void StepForm::setStep(const Step* step)

@@ -52,6 +52,9 @@ signals:
     void returnPressed();
     void problemChanged(const QString& problem);
 
+protected:
+    void resizeEvent(QResizeEvent* event) override;
+
 private:
     struct Field {
         StepParameter parameter;
