@@ -14,7 +14,7 @@ namespace punctum
 namespace
 {
 
-std::atomic<std::uint64_t> g_memoryBudget{0};  // 0: the preset
+std::atomic<std::uint64_t> givenBudget{0};  // 0: the preset
 
 }  // namespace
 
@@ -36,18 +36,18 @@ std::uint64_t availableMemory()
 
 std::uint64_t memoryBudget() noexcept
 {
-    const std::uint64_t set = g_memoryBudget.load(std::memory_order_relaxed);
+    const std::uint64_t set = givenBudget.load(std::memory_order_relaxed);
     return set != 0 ? set : machineMemory() / 5 * 4;
 }
 
 void setMemoryBudget(std::uint64_t bytes) noexcept
 {
-    g_memoryBudget.store(bytes, std::memory_order_relaxed);
+    givenBudget.store(bytes, std::memory_order_relaxed);
 }
 
 bool memoryBudgetSet() noexcept
 {
-    return g_memoryBudget.load(std::memory_order_relaxed) != 0;
+    return givenBudget.load(std::memory_order_relaxed) != 0;
 }
 
 }  // namespace punctum
