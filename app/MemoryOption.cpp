@@ -3,6 +3,7 @@
 
 #include "core/Memory.h"
 
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <regex>

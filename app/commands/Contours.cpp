@@ -82,8 +82,7 @@ void addContours(CLI::App& root, Action& action)
         .add_option("--shortest", options->contours.shortest,
                     "Leave out closed contours that are shorter, in cells (default: 0)")
         ->check(CLI::Range(0.0, 1e6));
-    command.add_flag("--wgs84", options->wgs84,
-                     "GeoJSON in longitude and latitude, as RFC 7946 has it, and not in the system of the points");
+    addWgs84(command, options->wgs84);
     command.callback([options, &action] { action = [options](Progress& p) { runContours(*options, p); }; });
 }
 

@@ -21,16 +21,10 @@ CLI::Validator moreThanNothing()
         "");
 }
 
-void addMapOptions(CLI::App& command, MapOptions& options, const std::string& out)
+void addPointsToFile(CLI::App& command, PointsToFile& options, const std::string& out)
 {
     command.add_option("FILE", options.files, "LAS or LAZ files, folders or .vpc, taken as one survey")->required();
     command.add_option("-o,--output", options.out, out)->type_name("OUT")->required();
-    command
-        .add_option("--cell", options.cell,
-                    "Side of a cell in units of X and Y (default: fits the spacing of the points); cells lie on "
-                    "multiples of it")
-        ->type_name("SIZE")
-        ->check(moreThanNothing());
     command
         .add_option("--where", options.where,
                     "Only the points for which this condition over attributes holds; the user guide tells the "
@@ -39,10 +33,32 @@ void addMapOptions(CLI::App& command, MapOptions& options, const std::string& ou
     command.add_flag("--json", options.json, "Report in JSON");
 }
 
+void addMapOptions(CLI::App& command, MapOptions& options, const std::string& out)
+{
+    addPointsToFile(command, options, out);
+    command
+        .add_option("--cell", options.cell,
+                    "Side of a cell in units of X and Y (default: fits the spacing of the points); cells lie on "
+                    "multiples of it")
+        ->type_name("SIZE")
+        ->check(moreThanNothing());
+}
+
+void addGroundClasses(CLI::App& command, std::string& classes)
+{
+    command.add_option("--ground", classes, "Classes of the ground, such as 2,9 (default: 2)")
+        ->type_name("CLASSES");
+}
+
+void addWgs84(CLI::App& command, bool& wgs84)
+{
+    command.add_flag("--wgs84", wgs84,
+                     "GeoJSON in longitude and latitude, as RFC 7946 has it, and not in the system of the points");
+}
+
 void addGroundOptions(CLI::App& command, GroundOptions& options)
 {
-    command.add_option("--ground", options.classes, "Classes of the ground, such as 2,9 (default: 2)")
-        ->type_name("CLASSES");
+    addGroundClasses(command, options.classes);
     command
         .add_option(
             "--bridge", options.bridge,

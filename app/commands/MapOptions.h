@@ -16,13 +16,16 @@ class Validator;
 namespace punctum::app
 {
 
-/// What all commands that make maps are told.
-struct MapOptions {
+/// What all commands are told that make something of points to be written to another kind of file.
+struct PointsToFile {
     std::vector<std::string> files;
     std::string out;
-    double cell = 0;
     std::string where;
     bool json = false;
+};
+/// What all commands that make maps are told.
+struct MapOptions : PointsToFile {
+    double cell = 0;
 };
 /// What those are told that draw the ground.
 struct GroundOptions {
@@ -34,8 +37,14 @@ struct GroundOptions {
 
 /// Checks that an option is a number above 0.
 CLI::Validator moreThanNothing();
-/// Adds FILE..., -o, --cell, --where and --json; `out` says what OUT may be.
+/// Adds FILE..., -o, --where and --json; `out` says what OUT may be.
+void addPointsToFile(CLI::App& command, PointsToFile& options, const std::string& out);
+/// The same, and --cell.
 void addMapOptions(CLI::App& command, MapOptions& options, const std::string& out);
+/// Adds --ground.
+void addGroundClasses(CLI::App& command, std::string& classes);
+/// Adds --wgs84.
+void addWgs84(CLI::App& command, bool& wgs84);
 /// Adds --ground, --bridge, --fill and --noise.
 void addGroundOptions(CLI::App& command, GroundOptions& options);
 

@@ -77,8 +77,7 @@ void addOutline(CLI::App& root, Action& action)
         ->type_name("AREA")
         ->check(moreThanNothing());
     command.add_flag("--convex", options->request.convex, "One convex hull of all points");
-    command.add_flag("--wgs84", options->wgs84,
-                     "GeoJSON in longitude and latitude, as RFC 7946 has it, and not in the system of the points");
+    addWgs84(command, options->wgs84);
     command.callback([options, &action] { action = [options](Progress& p) { runOutline(*options, p); }; });
 }
 

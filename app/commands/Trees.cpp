@@ -20,23 +20,22 @@ namespace punctum::app
 namespace
 {
 
-struct TreesOptions {
-    std::vector<std::string> files;
-    std::string out;
+struct TreesOptions : PointsToFile {
     TreeListRequest request;
     bool wgs84 = false;
-    bool json = false;
 };
 
 void runTrees(const TreesOptions& options, Progress& progress)
 {
     if (!isTableName(options.out)) throw UsageError("OUT must end in .csv, .geojson or .dxf");
-    checkCondition(options.request.where);
+    checkCondition(options.where);
     checkFolder(options.out);
     const auto session = loadForReading(inputFiles(options.files, progress), progress);
     const PointCloud& cloud = *session->cloud();
+    TreeListRequest request = options.request;
+    request.where = options.where;
     const Clock clock;
-    const TreeList list = listTrees(cloud, options.request, progress);
+    const TreeList list = listTrees(cloud, request, progress);
     const double seconds = clock.seconds();
     VectorOptions write;
     write.wgs84 = options.wgs84;
@@ -60,25 +59,13 @@ void addTrees(CLI::App& root, Action& action)
                                    "List the trees that the step trees has numbered: top, height above the ground, "
                                    "crown area and points, as CSV, GeoJSON or DXF.");
     const auto options = std::make_shared<TreesOptions>();
-    command.add_option("FILE", options->files, "LAS or LAZ files, folders or .vpc, taken as one survey")
-        ->required();
-    command.add_option("-o,--output", options->out, "File to write: .csv, .geojson or .dxf")
-        ->type_name("OUT")
-        ->required();
+    addPointsToFile(command, *options, "File to write: .csv, .geojson or .dxf");
     command
         .add_option("--id", options->request.id,
                     "The attribute that numbers the trees, above 0 (default: TreeId, in capitals or not)")
         ->type_name("ATTRIBUTE");
-    command
-        .add_option("--where", options->request.where,
-                    "Only the points for which this condition over attributes holds; the user guide tells the "
-                    "language")
-        ->type_name("CONDITION");
-    command.add_option("--ground", options->request.ground, "Classes of the ground, such as 2,9 (default: 2)")
-        ->type_name("CLASSES");
-    command.add_flag("--wgs84", options->wgs84,
-                     "GeoJSON in longitude and latitude, as RFC 7946 has it, and not in the system of the points");
-    command.add_flag("--json", options->json, "Report in JSON");
+    addGroundClasses(command, options->request.ground);
+    addWgs84(command, options->wgs84);
     command.callback([options, &action] { action = [options](Progress& p) { runTrees(*options, p); }; });
 }
 
