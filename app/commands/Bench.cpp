@@ -41,6 +41,16 @@ void addLines(std::string& text, const std::string& prefix, const Json& figures)
     }
 }
 
+render::Camera cameraOver(const PointCloud& cloud, const WorldBounds& box, int width, int height, double share)
+{
+    render::Camera camera;
+    camera.setView("iso");
+    camera.stretch = trueLengths(cloud, box).stretch;
+    const glm::dvec3 margin = (box.max - box.min) * glm::dvec3(1.0, 1.0, 0.0) * (1.0 - share) / 2.0;
+    camera.fit({box.min + margin, box.max - margin}, {width, height});
+    return camera;
+}
+
 }  // namespace
 
 double median(std::vector<double> values)
@@ -121,15 +131,12 @@ void warmFileCache(const std::filesystem::path& path, Progress& progress)
 
 render::Camera benchCamera(const DrawableCloud& cloud, int width, int height, double share)
 {
-    render::Camera camera;
-    camera.setView("iso");
-    WorldBounds box = cloud.cloud->coordinates().toWorld(cloud.bounds);
-    camera.stretch = trueLengths(*cloud.cloud, box).stretch;
-    const glm::dvec3 margin = (box.max - box.min) * glm::dvec3(1.0, 1.0, 0.0) * (1.0 - share) / 2.0;
-    box.min += margin;
-    box.max -= margin;
-    camera.fit(box, {width, height});
-    return camera;
+    return cameraOver(*cloud.cloud, cloud.cloud->coordinates().toWorld(cloud.bounds), width, height, share);
+}
+
+render::Camera firstCamera(const Survey& survey)
+{
+    return cameraOver(*survey.cloud(), survey.firstBounds(), kBenchWidth, kBenchHeight, 1.0);
 }
 
 void beginEmpty(render::ProgressiveRenderer& renderer, int width, int height)

@@ -90,6 +90,9 @@ void warmMemory(std::uint64_t bytes);
 /// middle.
 render::Camera benchCamera(const DrawableCloud& cloud, int width, int height, double share = 1.0);
 
+/// An oblique view of the whole survey as far as it is known before its points are read.
+render::Camera firstCamera(const Survey& survey);
+
 /// The next frame begins with an empty picture of this size.
 void beginEmpty(render::ProgressiveRenderer& renderer, int width, int height);
 

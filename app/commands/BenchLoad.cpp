@@ -153,12 +153,7 @@ void measureFirstImage(const std::string& file, Figures& figures, Progress& prog
     const Clock clock;
     const render::CloudLoad load(Session::open(inputFiles({file}, progress), {}, progress));
     renderer.addCloud(load.store());
-    render::Camera camera;
-    camera.setView("iso");
-    const WorldBounds bounds = load.session()->survey().firstBounds();
-    camera.stretch = trueLengths(*load.session()->cloud(), bounds).stretch;
-    camera.fit(bounds, {kBenchWidth, kBenchHeight});
-    renderer.setCamera(camera);
+    renderer.setCamera(firstCamera(load.session()->survey()));
 
     std::atomic<bool> ended{false};
     double firstImage = 0;

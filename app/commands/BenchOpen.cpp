@@ -8,10 +8,12 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <memory>
 #include <thread>
+#include <vector>
 
 namespace punctum::app
 {
@@ -45,34 +47,23 @@ double peakMegabytes()
 }
 
 /// A tenth of the sides of the first part, from aslant: what a street takes.
-render::Camera streetCamera(const Survey& survey)
+render::Camera streetCamera(const render::CloudLoad& load)
 {
-    const PointCloud& cloud = *survey.cloud();
-    const auto boxes = cloud.boxes();
+    const Survey& survey = load.session()->survey();
+    const auto boxes = survey.cloud()->boxes();
     RawBounds bounds;
     for (std::size_t k = 0; k < boxes->size() && boxes->points(k).first < survey.parts().front().points.last; ++k)
         bounds.include((*boxes)[k]);
-    WorldBounds box = cloud.coordinates().toWorld(bounds);
-    const glm::dvec3 margin = (box.max - box.min) * glm::dvec3(0.45, 0.45, 0.0);
-    render::Camera camera;
-    camera.setView("iso");
-    camera.stretch = trueLengths(cloud, box).stretch;
-    box.min += margin;
-    box.max -= margin;
-    camera.fit(box, {kBenchWidth, kBenchHeight});
-    return camera;
+    return benchCamera({survey.cloud(), load.store(), bounds, {}}, kBenchWidth, kBenchHeight, 0.1);
 }
 
 /// Whether every part of the survey has a point in the picture.
 bool showsEveryPart(render::ProgressiveRenderer& renderer, const Survey& survey)
 {
-    const PointSet visible = renderer.visiblePoints(*survey.cloud());
-    for (const Survey::Part& part : survey.parts()) {
-        bool found = part.points.empty();
-        for (PointIndex i = part.points.first; i < part.points.last && !found; ++i) found = visible.contains(i);
-        if (!found) return false;
-    }
-    return true;
+    std::vector<bool> shown(survey.parts().size());
+    for (std::size_t k = 0; k < shown.size(); ++k) shown[k] = survey.parts()[k].points.empty();
+    renderer.visiblePoints(*survey.cloud()).forEach([&](PointIndex i) { shown[survey.partOf(i)] = true; });
+    return std::find(shown.begin(), shown.end(), false) == shown.end();
 }
 
 /// Draws until the picture is full.
@@ -95,11 +86,7 @@ void openOnce(const BenchOptions& options, const std::string& prefix, Figures& f
     const Survey& survey = load.session()->survey();
     figures.add(prefix + "headers_ms", clock.milliseconds());
     renderer.addCloud(load.store());
-    render::Camera camera;
-    camera.setView("iso");
-    camera.stretch = trueLengths(*survey.cloud(), survey.firstBounds()).stretch;
-    camera.fit(survey.firstBounds(), {kBenchWidth, kBenchHeight});
-    renderer.setCamera(camera);
+    renderer.setCamera(firstCamera(survey));
 
     std::atomic<bool> ended{false};
     std::string failure;
@@ -137,7 +124,7 @@ void openOnce(const BenchOptions& options, const std::string& prefix, Figures& f
     figures.add(prefix + "complete_ms", complete);
 
     const Clock jump;
-    renderer.setCamera(streetCamera(survey));
+    renderer.setCamera(streetCamera(load));
     drawFull(renderer, progress);
     figures.add(prefix + "street_ms", jump.milliseconds());
     figures.add(prefix + "peak_rss_mb", peakMegabytes());
