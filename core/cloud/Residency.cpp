@@ -190,6 +190,11 @@ std::uint64_t Residency::resident() const
 std::uint64_t Residency::residentMost() const
 {
     const std::lock_guard lock(m_mutex);
+    return fileShare();
+}
+
+std::uint64_t Residency::fileShare() const
+{
     const std::uint64_t budget = memoryBudget();
     return std::max(budget / 8, budget - std::min(budget, m_inMemory));
 }
@@ -206,10 +211,9 @@ void Residency::keepTo(const std::stop_token& stop)
 /// Pages that were written go on their way to the disk, so that the system has few that it cannot drop.
 void Residency::letGo()
 {
-    const std::uint64_t budget = memoryBudget();
-    const std::uint64_t most = m_others + std::max(budget / 8, budget - std::min(budget, m_inMemory));
+    const std::uint64_t own = fileShare(), most = m_others + own;
     if (residentOfFiles() <= most) return;
-    const std::uint64_t goal = most - (most - m_others) / 8;  // so that there is something to do in few pauses
+    const std::uint64_t goal = most - own / 8;  // so that there is something to do in few pauses
     std::uint64_t gone = 0, looked = 0;
     while (gone < m_inFiles) {
         auto at = m_mapped.upper_bound(m_hand);

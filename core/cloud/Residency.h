@@ -50,6 +50,7 @@ private:
     Residency() = default;
     bool fits(std::size_t bytes, BufferUse use) const;
     BufferPlace takeFile(std::size_t bytes, BufferUse use);
+    std::uint64_t fileShare() const;  ///< residentMost(), with m_mutex held
     void keepTo(const std::stop_token& stop);
     void letGo();
 
