@@ -137,7 +137,8 @@ void SurfaceRaster::placeAll(std::span<const SurfaceLayer> layers, double cellPx
         const SurfaceLayer& layer = layers[placed.layer];
         const SurfaceTile& tile = *layer.view->tiles[placed.tile];
         const TileEdges edges(*layer.view, m_cells[placed.layer]);
-        if (!edges.hasCoarserNeighbor(placed.tile)) return;
+        placed.keepsToOthers = edges.hasCoarserNeighbor(placed.tile);
+        if (!placed.keepsToOthers) return;
         double least = tile.least, most = tile.most;
         const double cell = m_cells[placed.layer][placed.tile];
         const auto include = [&](double x, double y) {
@@ -193,7 +194,6 @@ void SurfaceRaster::drawTile(std::span<const SurfaceLayer> layers, const Placed&
     const SurfaceView& view = *layer.view;
     const SurfaceTile& tile = *view.tiles[placed.tile];
     const TileEdges edges(view, m_cells[placed.layer]);
-    const bool keepsToOthers = edges.hasCoarserNeighbor(placed.tile);
     const bool perspective = layer.projection.perspective;
     const double cell = (tile.box.maxX - tile.box.minX) / SurfaceTile::kCells;
     const int step = placed.step, row = SurfaceTile::kCells / step + 1;
@@ -207,8 +207,8 @@ void SurfaceRaster::drawTile(std::span<const SurfaceLayer> layers, const Placed&
             Node& node = nodes[std::size_t(j) * std::size_t(row) + std::size_t(i)];
             const bool onEdge = i == 0 || j == 0 || i == row - 1 || j == row - 1;
             const double x = tile.box.minX + ni * cell, y = tile.box.minY + nj * cell;
-            const double height =
-                keepsToOthers && onEdge ? edges.height(placed.tile, x, y) : tile.base + double(tile.height(ni, nj));
+            const double height = placed.keepsToOthers && onEdge ? edges.height(placed.tile, x, y)
+                                                                 : tile.base + double(tile.height(ni, nj));
             const float z = float(height - tile.base);
             node.w = NAN;
             if (std::isnan(height) || isCutOff(layer, x, y, height)) continue;

@@ -39,12 +39,13 @@ public:
     static constexpr double kFineCell = 2.0, kCoarseCell = 6.0;  // px
 
     void draw(std::span<const SurfaceLayer> layers, const TargetSize& size, double cellPx, SurfaceLook look);
-    /// Puts the points' picture, which was made before a transparent background, in front of or behind it.
+    /// What the points' picture shows.
     struct Points {
         std::span<const float> depths;           ///< VisibilityBuffer::depths()
         std::span<const std::uint8_t> replaced;  ///< 1: the nearest one gives way to the surface; empty: none does
         bool onTop = false;                      ///< those behind the surface are seen through it
     };
+    /// Puts the points' picture, which was made before a transparent background, in front of or behind it.
     /// `settings`: with the background that lies behind all.
     void compose(Image& picture, const Points& points, const ResolveSettings& settings) const;
 
@@ -61,6 +62,7 @@ private:
         std::size_t layer = 0, tile = 0;
         int step = 1;  ///< 0: it is out of sight
         int firstRow = 0, lastRow = 0;
+        bool keepsToOthers = false;  ///< a neighbor has larger cells (TileEdges)
     };
 
     /// A tile whose nodes are of these heights.
