@@ -112,12 +112,10 @@ std::vector<std::byte> packTile(const Raster& raster, std::size_t column, std::s
 std::vector<Raster> overviewsOf(const Raster& raster, GeoTiffOptions::Overview kind, const Progress& progress)
 {
     std::vector<Raster> copies;
-    const Raster* last = &raster;
-    while (last->columns() > kTiffSide || last->rows() > kTiffSide) {
+    const auto holdsMore = [](const Raster& map) { return map.columns() > kTiffSide || map.rows() > kTiffSide; };
+    while (holdsMore(copies.empty() ? raster : copies.back())) {
         progress.check();
-        copies.push_back(halved(*last, kind));
-        last = &copies.back();
-        copies.reserve(64);
+        copies.push_back(halved(copies.empty() ? raster : copies.back(), kind));
     }
     return copies;
 }
@@ -128,9 +126,7 @@ std::uint64_t writeGeoTiff(const std::filesystem::path& path, const Raster& rast
                            const GeoTiffOptions& options, Progress& progress)
 {
     if (raster.frame().cells() == 0) throw Error("There are no cells to write.");
-    std::vector<Raster> copies;
-    copies.reserve(64);
-    copies = overviewsOf(raster, options.overview, progress);
+    const std::vector<Raster> copies = overviewsOf(raster, options.overview, progress);
     std::vector<const Raster*> levels{&raster};
     for (const Raster& copy : copies) levels.push_back(&copy);
 
