@@ -20,7 +20,7 @@ namespace
 
 constexpr int kMoreDecimals = 3;  ///< of lengths than of steps
 constexpr int kAngleDecimals = 6;
-constexpr std::array<std::string_view, 6> kNames{"point", "distance", "height", "angle", "area", "box"};
+constexpr std::array<std::string_view, 7> kNames{"point", "distance", "height", "angle", "area", "box", "volume"};
 
 double degrees(double radians)
 {
@@ -71,6 +71,7 @@ std::size_t pointsOf(MeasureKind kind) noexcept
         case MeasureKind::Angle:
             return 3;
         case MeasureKind::Area:
+        case MeasureKind::Volume:
             return 0;
         case MeasureKind::Distance:
         case MeasureKind::Height:
@@ -129,6 +130,11 @@ std::vector<Quantity> quantitiesOf(MeasureKind kind, const std::vector<MeasuredP
                     {"dz", size.z},
                     {"Base", size.x * size.y, Unit::Area}};
         }
+        case MeasureKind::Volume: {
+            double around = 0.0;
+            for (std::size_t k = 0; k < at.size(); ++k) around += horizontal(at[(k + 1) % at.size()] - at[k]);
+            return {{"Area", std::abs(doubleArea(at).z) * 0.5, Unit::Area}, {"Perimeter", around}};
+        }
     }
     return {};
 }
@@ -174,6 +180,7 @@ std::string toCsv(const std::vector<Measurement>& measurements)
             for (const Quantity& q : m.quantities)
                 line(q.name, roundedText(q.value, q.unit == Quantity::Unit::Degrees ? kAngleDecimals : m.decimals),
                      unitText(q.unit, m.length));
+        for (const auto& [name, value] : m.facts) line(name, quoted(value), "");
         for (std::size_t p = 0; p < m.points.size(); ++p) {
             const std::string name = "Point " + std::to_string(p + 1) + ' ';
             line(name + "index", std::to_string(m.points[p].index), "");

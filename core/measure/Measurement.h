@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace punctum
@@ -22,6 +23,7 @@ enum class MeasureKind {
     Angle,     ///< at the second of three
     Area,      ///< of a polygon of three and more
     Box,       ///< along the axes, between two opposite corners
+    Volume,    ///< between a surface and a base, within a polygon of three and more (core/surface/Volume.h)
 };
 
 /// "distance", and back.
@@ -45,7 +47,8 @@ struct Quantity {
 
 /// The first is what was asked for ("Distance"), the others go with it ("Horizontal", "dx", "dy", "dz"). `stretch`:
 /// how many units of length a world unit is along each axis (1, but for degrees, and for feet beside meters). Empty
-/// while there are too few points; a Point has its coordinates alone, in world units.
+/// while there are too few points; a Point has its coordinates alone, in world units, and a Volume what is known of
+/// its polygon without the surface.
 std::vector<Quantity> quantitiesOf(MeasureKind kind, const std::vector<MeasuredPoint>& points,
                                    const glm::dvec3& stretch);
 
@@ -64,11 +67,12 @@ struct Measurement {
     CoordinateScale coordinates{};  ///< of the cloud: decimals of the points
     std::vector<MeasuredPoint> points;
     std::vector<Quantity> quantities;
+    std::vector<std::pair<std::string, std::string>> facts{};  ///< what else is to be told, with its name
 };
 
-/// As CSV after RFC 4180, in UTF-8: number, kind, file, name, value, unit; a line for each quantity, and for index,
-/// X, Y and Z of each point. Coordinates are exact, and
-/// quantities have the decimals that make sense; both with a point.
+/// As CSV after RFC 4180, in UTF-8: number, kind, file, name, value, unit; a line for each quantity and fact, and
+/// for index, X, Y and Z of each point. Coordinates are exact, and quantities have the decimals that make sense;
+/// both with a point.
 std::string toCsv(const std::vector<Measurement>& measurements);
 
 }  // namespace punctum

@@ -6,6 +6,7 @@
 #include "core/raster/MapPoints.h"
 #include "core/raster/Maps.h"
 #include "core/surface/Delaunay.h"
+#include "core/surface/Polygon.h"
 #include "core/task/Progress.h"
 
 #include <tbb/parallel_for.h>
@@ -24,27 +25,6 @@ namespace
 
 constexpr double kCloseCells = 3.0;
 constexpr double kLeastCells = 16.0;
-
-/// Twice the signed area; from the first corner, so that large coordinates keep their digits.
-double signedArea(const std::vector<glm::dvec2>& ring)
-{
-    double sum = 0;
-    for (std::size_t k = 1; k + 1 < ring.size(); ++k) {
-        const glm::dvec2 a = ring[k] - ring[0], b = ring[k + 1] - ring[0];
-        sum += a.x * b.y - a.y * b.x;
-    }
-    return sum / 2;
-}
-
-bool isInsideRing(const glm::dvec2& p, const std::vector<glm::dvec2>& ring)
-{
-    bool inside = false;
-    for (std::size_t k = 0, before = ring.size() - 1; k < ring.size(); before = k++) {
-        const glm::dvec2 &a = ring[k], &b = ring[before];
-        if ((a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x) inside = !inside;
-    }
-    return inside;
-}
 
 /// 1 where the largest (or the least) value within so many cells along rows and columns is 1.
 Raster spreadCells(const Raster& raster, std::size_t reach, bool largest)
@@ -136,7 +116,7 @@ std::vector<MapArea> nestedAreas(std::vector<ContourLine> lines, double least)
         for (std::size_t k = areas.size(); k-- > 0;) {
             const Box& box = boxes[k];
             if (p.x < box.low.x || p.y < box.low.y || p.x > box.high.x || p.y > box.high.y) continue;
-            if (!isInsideRing(p, areas[k].rings[0])) continue;
+            if (!isInside(areas[k].rings[0], p)) continue;
             cut[k] += area;
             areas[k].rings.push_back(std::move(ring));
             break;

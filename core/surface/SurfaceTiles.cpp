@@ -79,6 +79,11 @@ std::optional<double> SurfaceNet::height(double x, double y, std::uint32_t& near
     return std::nullopt;
 }
 
+double SurfaceTiles::reachOf(const TrueLengths& lengths, double spacing) noexcept
+{
+    return std::max(kReachMeters / (lengths.meters > 0 ? lengths.meters : 1.0), kReachSpacings * spacing);
+}
+
 SurfaceTiles::SurfaceTiles(const PointCloud& cloud, const PointSet& ground, double reach, Progress& progress)
 {
     if (cloud.size() > UINT32_MAX) throw Error("A surface can be made of at most 4,294,967,295 points.");
@@ -136,7 +141,7 @@ SurfaceTiles::SurfaceTiles(const PointCloud& cloud, const PointSet& ground, doub
             std::nth_element(spacings.begin(), middle, spacings.end());
             spacing = *middle;
         }
-        m_reach = std::max(kReachMeters / (lengths.meters > 0 ? lengths.meters : 1.0), kReachSpacings * spacing);
+        m_reach = reachOf(lengths, spacing);
     }
     m_rawReach = {m_reach / m_steps[0], m_reach / m_steps[1]};
     m_squaredReach = m_rawReach[0] * m_rawReach[0] * m_metric.x;

@@ -4,6 +4,7 @@
 #include "core/surface/Triangulation.h"
 
 #include "core/cloud/PointCloud.h"
+#include "core/cloud/Units.h"
 
 #include <array>
 #include <cstddef>
@@ -118,6 +119,8 @@ public:
     const PlaneMetric& metric() const noexcept { return m_metric; }
     /// Largest radius, in units of true length.
     double reach() const noexcept { return m_reach; }
+    /// The reach that is preset for points so far apart (`lengths.unit`).
+    static double reachOf(const TrueLengths& lengths, double spacing) noexcept;
     /// Units of true length of a raw step along each axis.
     const std::array<double, 3>& steps() const noexcept { return m_steps; }
 

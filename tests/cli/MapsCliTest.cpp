@@ -51,6 +51,61 @@ private slots:
         QFile::remove(path("out.tif"));
     }
 
+    void volumesOfPolygons()
+    {
+        // areas of one command are read by the other, in either coordinate system
+        for (const bool wgs84 : {false, true}) {
+            const QString areas = path(wgs84 ? "wgs84.geojson" : "own.geojson");
+            QStringList words{"outline", path("in.las"), "-o", areas, "--convex"};
+            if (wgs84) words << "--wgs84";
+            PUNCTUM_EXIT(runPunctum(words), 0);
+            const Outcome run = runPunctum({"volume", path("in.las"), "--polygons", areas, "--json"});
+            PUNCTUM_EXIT(run, 0);
+            QCOMPARE(run.json()["base"].toString(), QString("outline"));
+            const QJsonArray all = run.json()["polygons"].toArray();
+            QCOMPARE(all.size(), 1);
+            const QJsonObject one = all[0].toObject();
+            QCOMPARE(one["name"].toString(), QString("1"));
+            const double area = one["area"].toDouble() + one["area_without_surface"].toDouble();
+            const Outcome within =
+                runPunctum({"volume", path("in.las"), "--within", "Z > -1e9", "--base", "plane", "--json"});
+            PUNCTUM_EXIT(within, 0);
+            const double wanted =
+                within.json()["area"].toDouble() + within.json()["area_without_surface"].toDouble();
+            QVERIFY2(std::abs(area / wanted - 1) < (wgs84 ? 1e-3 : 1e-5),
+                     qPrintable(QString::number(area / wanted)));
+            QVERIFY(one["deviation"].toDouble() > 0 && one["edge"].toDouble() > 0);
+        }
+    }
+
+    void volumesOfCorners()
+    {
+        const auto refused = [&](const QStringList& words, const char* why) {
+            const Outcome run = runPunctum(QStringList{"volume", path("in.las")} + words);
+            return run.exitCode == 2 && run.err.contains(why);
+        };
+        QVERIFY(refused({}, "--base is needed"));
+        QVERIFY(refused({"--base", "plane"}, "needs an area"));
+        QVERIFY(refused({"--corners", "1,2:3,4"}, "three corners"));
+        QVERIFY(refused({"--corners", "1,2:3,4:5"}, "no corner"));
+        QVERIFY(refused({"--classes", "ground", "--base", "3"}, "no classes"));
+        QFile bad(path("bad.geojson"));
+        for (const char* text :
+             {"", "[]", "{}", "{\"type\":\"FeatureCollection\"}",
+              "{\"type\":\"Polygon\",\"coordinates\":[[[1,2],[3],[4,5],[1,2]]]}",
+              "{\"type\":\"Polygon\",\"coordinates\":7}", "{\"type\":\"Polygon\",\"coordinates\":[[[1,2],[1,2]]]}",
+              "{\"type\":\"FeatureCollection\",\"features\":[7,null,{\"geometry\":3}]}"}) {
+            QVERIFY(bad.open(QIODevice::WriteOnly) && bad.write(text) >= 0);
+            bad.close();
+            const Outcome run = runPunctum({"volume", path("in.las"), "--polygons", bad.fileName()});
+            QVERIFY2(run.exitCode == 1 && run.err.contains("bad.geojson"), qPrintable(run.err));
+        }
+        // far from everything
+        const Outcome far = runPunctum({"volume", path("in.las"), "--corners", "1,2:3,4:5,9"});
+        QCOMPARE(far.exitCode, 1);
+        QVERIFY2(far.err.contains("no surface along the outline"), qPrintable(far.err));
+    }
+
     void aPresetFits()
     {
         const Outcome run = runPunctum({"raster", path("in.las"), "-o", path("fit.tif"), "--of", "dsm", "--json"});

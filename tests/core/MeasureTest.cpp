@@ -74,6 +74,8 @@ void MeasureTest::figures_data()
     row("area", 3, "Perimeter", 3 + 5 + std::sqrt(34.0));
     row("area", 4, "Area", 12);
     row("area", 4, "Perimeter", 14);
+    row("volume", 3, "Area", 6);
+    row("volume", 3, "Perimeter", 12);
 }
 
 void MeasureTest::figures()
@@ -84,7 +86,8 @@ void MeasureTest::figures()
     QFETCH(double, value);
     std::vector<glm::dvec3> places{kFar, kFar + glm::dvec3(3, -4, 12)};
     if (kind == "angle") places = {kFar + glm::dvec3(2, 0, 0), kFar, kFar + glm::dvec3(0, 7, 0)};
-    if (kind == "area" && corners == 3) places = {kFar, kFar + glm::dvec3(3, 0, 0), kFar + glm::dvec3(0, 4, 3)};
+    if ((kind == "area" || kind == "volume") && corners == 3)
+        places = {kFar, kFar + glm::dvec3(3, 0, 0), kFar + glm::dvec3(0, 4, 3)};
     if (kind == "area" && corners == 4)
         places = {kFar, kFar + glm::dvec3(3, 0, 0), kFar + glm::dvec3(3, 4, 0), kFar + glm::dvec3(0, 4, 0)};
     const auto quantities = quantitiesOf(*measureKindOf(kind.toStdString()), pointsAt(places), glm::dvec3(1));
@@ -94,7 +97,7 @@ void MeasureTest::figures()
 
 void MeasureTest::tooFewPoints()
 {
-    for (const char* name : {"distance", "height", "angle", "area", "box", "point"}) {
+    for (const char* name : {"distance", "height", "angle", "area", "box", "volume", "point"}) {
         const MeasureKind kind = *measureKindOf(name);
         QCOMPARE(nameOf(kind), std::string_view(name));
         const std::size_t needed = pointsOf(kind) == 0 ? 3 : pointsOf(kind);

@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: MIT
+#include "core/surface/Surface.h"
+#include "core/surface/Volume.h"
+#include "core/task/Progress.h"
 #include "tests/ui/UiTest.h"
 #include "ui/basic/Text.h"
 #include "ui/document/Workspace.h"
 #include "ui/measure/MeasureDock.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
+#include "ui/measure/VolumeFields.h"
 #include "ui/select/SelectTools.h"
+#include "ui/style/NumberField.h"
 #include "ui/view/Viewport.h"
 #include "ui/window/MainMenu.h"
 
 #include <QAction>
 #include <QApplication>
 #include <QClipboard>
+#include <QComboBox>
 #include <QFile>
 #include <QPushButton>
 #include <QTreeWidget>
@@ -52,14 +58,15 @@ private:
     /// Keys of tools; shortcuts of actions need a window manager.
     static void key(TestWindow& test, Qt::Key key) { QTest::keyClick(&test.window->viewport(), key); }
     /// Clicks in the view, at a place told in parts of its size, and waits until the point is taken.
-    static bool click(TestWindow& test, double x, double y, Qt::MouseButton button = Qt::LeftButton)
+    static bool click(TestWindow& test, double x, double y, Qt::MouseButton button = Qt::LeftButton,
+                      bool takes = true)
     {
         Viewport& view = test.window->viewport();
         bool taken = false;
         const auto connection =
             QObject::connect(&test.window->measureTools(), &MeasureTools::pointTaken, [&] { taken = true; });
         QTest::mouseClick(&view, button, {}, QPoint(int(view.width() * x), int(view.height() * y)));
-        const bool good = button != Qt::LeftButton || waitFor([&] { return taken; }, 20000);
+        const bool good = !takes || button != Qt::LeftButton || waitFor([&] { return taken; }, 20000);
         QObject::disconnect(connection);
         return good;
     }
@@ -122,6 +129,121 @@ private slots:
         test.window->workspace().close(*document);
         QVERIFY(all.entries().empty());
         QCOMPARE(list.topLevelItemCount(), 0);
+    }
+
+    void measuresVolumes()
+    {
+        TestWindow test;
+        Document* document = openFromAbove(test);
+        QVERIFY(document);
+        Measurements& all = test.window->measurements();
+        MeasureDock& dock = test.window->measureDock();
+        VolumeFields& fields = dock.volumeFields();
+        QVERIFY(!fields.isVisible());
+        tool(test, MeasureKind::Volume)->trigger();
+        QVERIFY(fields.isVisible());
+        QVERIFY(test.settle());
+        const glm::dvec2 places[] = {{0.3, 0.4}, {0.6, 0.42}, {0.62, 0.6}, {0.28, 0.58}};
+        for (const glm::dvec2 at : places) QVERIFY(click(test, at.x, at.y));
+        QVERIFY(!test.window->measureTools().overlay().unfinishedText().isEmpty());
+        // a click on the first corner closes it
+        click(test, places[0].x, places[0].y, Qt::LeftButton, false);
+        QCOMPARE(all.entries().size(), std::size_t(1));
+        QCOMPARE(all.entries()[0].measurement.points.size(), std::size_t(4));
+        const auto measured = [&] { return waitFor([&] { return all.entries().back().job == 0; }); };
+        QVERIFY(measured());
+        const Measurement& m = all.entries()[0].measurement;
+        const auto value = [&](const char* name) {
+            for (const Quantity& q : m.quantities)
+                if (q.name == name) return q.value;
+            return double(NAN);
+        };
+        // the surface of all ground points of the survey, asked by somebody else
+        Progress progress;
+        const Surface surface(document->cloud(), {}, progress);
+        VolumeQuestion question;
+        question.within.emplace_back();
+        for (const MeasuredPoint& p : m.points) question.within[0].emplace_back(p.world);
+        const auto expected = [&](VolumeBase base) {
+            question.base = base;
+            return surface.withTiles(
+                [&](const SurfaceTiles& tiles) { return volumeOf(*document->cloud(), tiles, question, progress); });
+        };
+        const auto agrees = [&](VolumeBase base) {
+            const Volume volume = expected(base);
+            return std::abs(value("Net volume") - volume.net()) < 1e-3 * volume.area &&
+                   std::abs(value("Cut") - volume.cut) < 1e-3 * volume.area && value("Standard deviation") > 0;
+        };
+        QVERIFY(agrees(VolumeBase::Outline));
+        const QTreeWidgetItem& row = *dock.list().topLevelItem(0);
+        QCOMPARE(row.text(1), quantityText(m.quantities.front(), m.length));
+        QVERIFY(row.text(1).endsWith(toQString(unitText(Quantity::Unit::Volume, m.length))));
+        // other bases, by keys: it is measured again
+        fields.base().setFocus();
+        QTest::keyClick(&fields.base(), Qt::Key_Down);
+        QVERIFY(measured());
+        QVERIFY(agrees(VolumeBase::Lowest));
+        QTest::keyClick(&fields.base(), Qt::Key_Down);
+        QVERIFY(measured());
+        QVERIFY(agrees(VolumeBase::Plane));
+        QTest::keyClick(&fields.base(), Qt::Key_Down);
+        QVERIFY(fields.height().isVisible());
+        question.height = expected(VolumeBase::Lowest).height + 2;
+        fields.height().clear();
+        QTest::keyClicks(&fields.height(), QString::number(question.height, 'f', 6));
+        QTest::keyClick(&fields.height(), Qt::Key_Return);
+        QVERIFY(measured());
+        QVERIFY(agrees(VolumeBase::Height));
+        QVERIFY(value("Fill") > 0);
+
+        dock.copyButton().click();
+        const QString copied = QApplication::clipboard()->text();
+        QVERIFY(copied.contains(QStringLiteral("Net volume\t")));
+        QVERIFY(copied.contains(QStringLiteral("Surface of\tclass 2")));
+        const QString csv = test.folder.filePath(QStringLiteral("all.csv"));
+        all.exportTo(csv);
+        QVERIFY(waitFor([&] { return QFile::exists(csv) && !test.window->workspace().busy(); }));
+        QFile file(csv);
+        QVERIFY(file.open(QIODevice::ReadOnly));
+        const QByteArray text = file.readAll();
+        QVERIFY(text.contains("1,volume,survey.laz,Net volume,"));
+        QVERIFY(text.contains("1,volume,survey.laz,Base,height,"));
+
+        // Enter closes one, a double click too; the same base is asked for
+        fields.setWish({});
+        all.setVolumeWish(0, {});
+        for (const bool twice : {false, true}) {
+            const std::size_t before = all.entries().size();
+            for (const glm::dvec2 at : {places[0], places[1]}) QVERIFY(click(test, at.x, at.y));
+            Viewport& view = test.window->viewport();
+            const QPoint last(int(view.width() * places[3].x), int(view.height() * places[3].y));
+            QTest::mouseClick(&view, Qt::LeftButton, {}, last);
+            if (twice)
+                QTest::mouseDClick(&view, Qt::LeftButton, {}, last);
+            else
+                key(test, Qt::Key_Return);
+            QVERIFY(waitFor([&] { return all.entries().size() == before + 1; }));
+            QCOMPARE(all.entries().back().measurement.points.size(), std::size_t(3));
+            QVERIFY(measured());
+        }
+        QCOMPARE(all.entries()[1].measurement.quantities.front().value,
+                 all.entries()[2].measurement.quantities.front().value);
+        // a job that is stopped leaves the outline, one whose file is closed nothing
+        VolumeWish shown;
+        shown.points = VolumeWish::Points::Shown;
+        all.setVolumeWish(all.entries().back().id, shown);
+        test.window->workspace().cancel(all.entries().back().job);
+        QVERIFY(measured());
+        QCOMPARE(all.entries().back().measurement.facts.front().first, std::string("Not measured"));
+        QCOMPARE(all.entries().back().measurement.quantities.front().name, std::string("Area"));
+        shown.base = VolumeBase::Plane;
+        all.setVolumeWish(all.entries().back().id, shown);
+        QVERIFY(measured());
+        QCOMPARE(all.entries().back().measurement.facts[1].second, std::string("points shown"));
+        all.setVolumeWish(all.entries().back().id, {});
+        test.window->workspace().close(*document);
+        QVERIFY(all.entries().empty());
+        QVERIFY(waitFor([&] { return !test.window->workspace().busy(); }));
     }
 
     void inspectsAPoint()

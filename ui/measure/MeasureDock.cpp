@@ -4,6 +4,7 @@
 #include "ui/basic/Text.h"
 #include "ui/measure/MeasureTools.h"
 #include "ui/measure/Measurements.h"
+#include "ui/measure/VolumeFields.h"
 #include "ui/menu/Menus.h"
 #include "ui/style/Icons.h"
 #include "ui/style/Widgets.h"
@@ -24,6 +25,8 @@
 #include <QTreeWidget>
 #include <QVBoxLayout>
 
+#include <algorithm>
+
 namespace punctum::ui
 {
 
@@ -37,6 +40,7 @@ constexpr int kIdRole = Qt::UserRole;
 MeasureDock::MeasureDock(Measurements& measurements, QWidget* parent)
     : QDockWidget(tr("Measure"), parent),
       m_measurements(measurements),
+      m_volume(new VolumeFields),
       m_list(new QTreeWidget),
       m_hint(new QLabel(tr("Choose a tool of the menu Measure, then click points in the view."))),
       m_copy(new QPushButton(tr("Copy"))),
@@ -60,7 +64,9 @@ MeasureDock::MeasureDock(Measurements& measurements, QWidget* parent)
     connect(m_copy, &QPushButton::clicked, this,
             [this] { QApplication::clipboard()->setText(m_measurements.text(chosen())); });
     connect(m_remove, &QPushButton::clicked, this, [this] { m_measurements.remove(chosen()); });
-    connect(m_list, &QTreeWidget::currentItemChanged, this, [this] { m_remove->setEnabled(chosen() != 0); });
+    connect(m_list, &QTreeWidget::currentItemChanged, this, &MeasureDock::choose);
+    connect(m_volume, &VolumeFields::wishChanged, this,
+            [this](const VolumeWish& wish) { m_measurements.setVolumeWish(chosen(), wish); });
     m_list->installEventFilter(this);
     connect(m_export, &QPushButton::clicked, this, &MeasureDock::exportWanted);
     connect(&m_measurements, &Measurements::changed, this, &MeasureDock::fill);
@@ -85,11 +91,31 @@ MeasureDock::MeasureDock(Measurements& measurements, QWidget* parent)
     auto* column = new QVBoxLayout(content);
     column->setContentsMargins(10, 8, 10, 8);
     column->setSpacing(8);
+    column->addWidget(m_volume);
     column->addWidget(m_hint);
     column->addWidget(m_list, 1);
     column->addWidget(buttons);
     setWidget(content);
     fill();
+}
+
+void MeasureDock::setMeasuringVolumes(bool on)
+{
+    m_measuringVolumes = on;
+    choose();
+}
+
+/// The fields of volumes are those of the chosen one.
+void MeasureDock::choose()
+{
+    const quint64 id = chosen();
+    m_remove->setEnabled(id != 0);
+    const auto& all = m_measurements.entries();
+    const auto entry = std::find_if(all.begin(), all.end(), [id](const auto& each) { return each.id == id; });
+    const bool volume = entry != all.end() && entry->measurement.kind == MeasureKind::Volume;
+    if (volume) m_measurements.setVolumeWish(id, entry->wish);  // and the next one is measured alike
+    m_volume->setWish(m_measurements.volumeWish());
+    m_volume->setVisible(volume || m_measuringVolumes);
 }
 
 quint64 MeasureDock::chosen() const
@@ -120,8 +146,9 @@ void MeasureDock::fill()
         const Measurement& m = entry.measurement;
         const bool point = m.kind == MeasureKind::Point;
         const QString title = QStringLiteral("%1  %2").arg(++number).arg(kindText(m.kind));
-        const QString value =
-            point ? QString::number(m.points.front().index) : quantityText(m.quantities.front(), m.length);
+        const QString value = entry.job != 0 ? tr("is being measured")
+                              : point        ? QString::number(m.points.front().index)
+                                             : quantityText(m.quantities.front(), m.length);
         auto* item = new QTreeWidgetItem(m_list, {title, value});
         item->setData(0, kIdRole, entry.id);
         item->setToolTip(0, toQString(m.file));
@@ -132,6 +159,7 @@ void MeasureDock::fill()
         if (!point)
             for (std::size_t k = 1; k < m.quantities.size(); ++k)
                 row(toQString(m.quantities[k].name), quantityText(m.quantities[k], m.length));
+        for (const auto& [name, text] : m.facts) row(toQString(name), toQString(text));
         for (const auto& [name, text] : entry.attributes) row(name, text);
         for (const NearPoint& n : entry.nearest)
             row(tr("Neighbor %1").arg(n.index), quantityText({"", n.distance}, m.length));
@@ -141,7 +169,7 @@ void MeasureDock::fill()
     const bool some = number != 0;
     m_hint->setVisible(!some);
     for (QPushButton* button : {m_copy, m_export}) button->setEnabled(some);
-    m_remove->setEnabled(chosen() != 0);
+    choose();
 }
 
 void addMeasureMenu(Menus& menus, MeasureTools& tools, Measurements& measurements, MeasureDock& dock)
@@ -168,9 +196,18 @@ void addMeasureMenu(Menus& menus, MeasureTools& tools, Measurements& measurement
     addTool(Kind::Angle, MeasureDock::tr("&Angle"), {},
             MeasureDock::tr("Click three points to measure the angle at the second"));
     addTool(Kind::Area, MeasureDock::tr("A&rea"), {},
-            MeasureDock::tr("Click the corners of an area; Enter or the right button closes it"));
+            MeasureDock::tr("Click the corners of an area; Enter or a click on the first closes it"));
     addTool(Kind::Box, MeasureDock::tr("&Box"), {},
             MeasureDock::tr("Click two opposite corners to measure the box between them"));
+    addTool(Kind::Volume, MeasureDock::tr("&Volume"), {QKeySequence(Qt::Key_U)},
+            MeasureDock::tr("Click the corners around a pile or pit; Enter or a click on the first closes it"));
+    QObject::connect(&tools, &MeasureTools::toolChanged, &dock, [&tools, &dock] {
+        const bool volumes = tools.tool() == MeasureKind::Volume;
+        dock.setMeasuringVolumes(volumes);
+        if (!volumes) return;
+        dock.show();  // where the base is chosen
+        dock.raise();
+    });
     QObject::connect(&tools, &MeasureTools::toolChanged, group, [group, &tools] {
         for (QAction* action : group->actions())
             action->setChecked(tools.tool() && int(*tools.tool()) == action->data().toInt());

@@ -13,6 +13,7 @@ namespace punctum::ui
 class Measurements;
 class MeasureTools;
 class Menus;
+class VolumeFields;
 
 /// The list of measurements: each with its values, a point with all its attributes and its neighbors. GUI thread
 /// only.
@@ -26,6 +27,9 @@ public:
     QPushButton& copyButton() noexcept { return *m_copy; }
     QPushButton& exportButton() noexcept { return *m_export; }
     QPushButton& removeButton() noexcept { return *m_remove; }
+    VolumeFields& volumeFields() noexcept { return *m_volume; }
+    /// Whether volumes are being measured: their fields are shown then, as they are while a volume is chosen.
+    void setMeasuringVolumes(bool on);
 
     bool eventFilter(QObject* watched, QEvent* event) override;
 
@@ -35,9 +39,12 @@ signals:
 
 private:
     void fill();
+    void choose();
     quint64 chosen() const;
 
     Measurements& m_measurements;
+    VolumeFields* m_volume;
+    bool m_measuringVolumes = false;
     QTreeWidget* m_list;
     QLabel* m_hint;
     QPushButton* m_copy;

@@ -56,7 +56,8 @@ void drawMeasurement(QPainter& painter, const Measurement& m, const render::Came
             line(knee, points[1].world);
         } else {
             for (std::size_t k = 1; k < points.size(); ++k) line(points[k - 1].world, points[k].world);
-            if (m.kind == MeasureKind::Area && points.size() > 2) line(points.back().world, points.front().world);
+            if ((m.kind == MeasureKind::Area || m.kind == MeasureKind::Volume) && points.size() > 2)
+                line(points.back().world, points.front().world);
         }
     }
     glm::dvec3 middle(0.0);

@@ -14,9 +14,17 @@
 #include <QPainter>
 
 #include <algorithm>
+#include <cmath>
 
 namespace punctum::ui
 {
+
+namespace
+{
+
+constexpr double kOnCorner = 8.0;  ///< px from a corner that still mean it
+
+}  // namespace
 
 // -- overlay
 
@@ -97,6 +105,7 @@ void MeasureTools::giveUp()
     m_points.clear();
     m_document.clear();
     m_press.reset();
+    m_closing = false;
     setUnfinished({});
 }
 
@@ -115,7 +124,7 @@ bool MeasureTools::eventFilter(QObject* watched, QEvent* event)
         case QEvent::MouseButtonRelease:
             return released(*view.viewport, *static_cast<QMouseEvent*>(event));
         case QEvent::MouseButtonDblClick:  // its first click took a point; the camera stays where it is
-            if (m_tool == MeasureKind::Area) finish();
+            closeArea();
             return true;
         case QEvent::ShortcutOverride:
             if (const int key = static_cast<QKeyEvent*>(event)->key();
@@ -142,8 +151,13 @@ bool MeasureTools::released(Viewport& viewport, const QMouseEvent& event)
     const auto press = std::exchange(m_press, std::nullopt);
     const bool click = press && glm::distance(viewport.toPicture(*press), viewport.toPicture(event.position())) <
                                     Navigation::kTremble;
-    if (click && event.button() == Qt::LeftButton) pick(viewport, event.position());
-    if (click && event.button() == Qt::RightButton && m_tool == MeasureKind::Area) finish();
+    if (click && event.button() == Qt::LeftButton) {
+        if (isOnFirst(viewport, event.position()))
+            closeArea();
+        else
+            pick(viewport, event.position());
+    }
+    if (click && event.button() == Qt::RightButton) closeArea();
     // after the viewport, which takes the cursor back
     QMetaObject::invokeMethod(
         this,
@@ -169,7 +183,7 @@ bool MeasureTools::keyPressed(const QKeyEvent& event)
             return true;
         case Qt::Key_Return:
         case Qt::Key_Enter:
-            if (m_tool == MeasureKind::Area) finish();
+            closeArea();
             return true;
         default:
             return false;
@@ -179,9 +193,28 @@ bool MeasureTools::keyPressed(const QKeyEvent& event)
 void MeasureTools::pick(Viewport& viewport, QPointF at)
 {
     const glm::ivec2 px(viewport.toPicture(at));
+    ++m_picks;
     viewport.renderer().pick(px.x, px.y, this, [this](const std::optional<PickedPoint>& point) {
+        --m_picks;
         if (point && m_tool) take(*point);
+        if (m_closing && m_picks == 0) closeArea();
     });
+}
+
+/// Of a measurement of any number of corners; the corner that was clicked last may still be looked for.
+void MeasureTools::closeArea()
+{
+    if (!m_tool || pointsOf(*m_tool) != 0) return;
+    m_closing = m_picks != 0;
+    if (!m_closing) finish();
+}
+
+bool MeasureTools::isOnFirst(const Viewport& viewport, QPointF at) const
+{
+    if (!m_tool || pointsOf(*m_tool) != 0 || m_points.size() < 3) return false;
+    const glm::dvec3 first =
+        viewport.camera().project(m_points.front().world, {double(viewport.width()), double(viewport.height())});
+    return std::hypot(first.x - at.x(), first.y - at.y()) < kOnCorner;
 }
 
 void MeasureTools::take(const PickedPoint& point)

@@ -47,8 +47,8 @@ private:
 };
 
 /// Clicking points to measure. A click takes the point under the mouse; drags go on moving the camera. Backspace
-/// takes the last point back, Enter, the right button or a double click closes an area, Escape gives up the points,
-/// then the tool.
+/// takes the last point back, Enter, the right button, a double click or a click on the first corner closes an
+/// area, Escape gives up the points, then the tool.
 ///
 /// The points of one measurement may be clicked in several views.
 ///
@@ -83,6 +83,8 @@ private:
     void take(const PickedPoint& point);
     void follow(const std::optional<PickedPoint>& point);
     void finish();
+    void closeArea();
+    bool isOnFirst(const Viewport& viewport, QPointF at) const;
     void giveUp();
 
     struct View {
@@ -96,6 +98,8 @@ private:
     QPointer<Document> m_document;  ///< that the points are of
     std::vector<MeasuredPoint> m_points;
     std::optional<QPointF> m_press;  ///< where a click has begun
+    int m_picks = 0;                 ///< points under clicks that are still being looked for
+    bool m_closing = false;          ///< when they are found
 };
 
 }  // namespace punctum::ui

@@ -51,13 +51,18 @@ std::vector<std::pair<QString, QString>> attributesOf(const PointCloud& cloud, P
     return all;
 }
 
+int decimalsOf(Quantity::Unit unit)
+{
+    if (unit == Quantity::Unit::None) return 0;  // a number of points
+    return unit == Quantity::Unit::Degrees ? 2 : 3;
+}
+
 }  // namespace
 
 QString quantityText(const Quantity& quantity, const std::string& length)
 {
     const QString unit = toQString(unitText(quantity.unit, length));
-    QString number =
-        localNumber(QString::number(quantity.value, 'f', quantity.unit == Quantity::Unit::Degrees ? 2 : 3));
+    QString number = localNumber(QString::number(quantity.value, 'f', decimalsOf(quantity.unit)));
     if (unit.isEmpty()) return number;
     return unit == QStringLiteral("°") ? number + unit : number + QLatin1Char(' ') + unit;
 }
@@ -77,6 +82,8 @@ QString kindText(MeasureKind kind)
             return Measurements::tr("Area");
         case MeasureKind::Box:
             return Measurements::tr("Box");
+        case MeasureKind::Volume:
+            return Measurements::tr("Volume");
     }
     return {};
 }
@@ -103,10 +110,11 @@ Measurement Measurements::measure(const Document& document, MeasureKind kind, st
 
 void Measurements::add(Document& document, MeasureKind kind, std::vector<MeasuredPoint> points)
 {
-    Entry entry{measure(document, kind, std::move(points)), &document, ++m_lastId, {}, {}};
+    Entry entry{measure(document, kind, std::move(points)), &document, ++m_lastId, {}, {}, m_wish};
     if (entry.measurement.quantities.empty()) return;
     m_entries.push_back(std::move(entry));
     if (kind == MeasureKind::Point) readPoint(m_entries.back());
+    if (kind == MeasureKind::Volume) startVolume(m_entries.back());
     emit changed();
     emit added(m_lastId);
 }
@@ -133,6 +141,51 @@ void Measurements::readPoint(const Entry& entry)
         true);
 }
 
+void Measurements::setVolumeWish(quint64 id, const VolumeWish& wish)
+{
+    m_wish = wish;
+    Entry* const entry = find(id);
+    if (entry == nullptr || entry->measurement.kind != MeasureKind::Volume || entry->wish == wish) return;
+    entry->wish = wish;
+    startVolume(*entry);
+    emit changed();
+}
+
+void Measurements::startVolume(Entry& entry)
+{
+    if (entry.job != 0) m_workspace.cancel(entry.job);
+    const auto found = std::make_shared<MeasuredVolume>();
+    const VolumeScope scope = m_scope ? m_scope(*entry.document) : VolumeScope{};
+    entry.job = m_workspace.startJob(
+        tr("Volume"),
+        [found, scope, wish = entry.wish, corners = entry.measurement.points,
+         cloud = std::shared_ptr<const PointCloud>(entry.document->cloud())](Progress& progress) {
+            *found = measureVolume(*cloud, corners, wish, scope, progress);
+        },
+        [self = QPointer(this), found, id = entry.id](const JobInfo& info) {
+            Entry* const measured = self ? self->find(id) : nullptr;
+            if (measured != nullptr && measured->job == info.id) self->endVolume(*measured, info, *found);
+        });
+    m_workspace.tie(*entry.document, entry.job);
+}
+
+/// What could not be measured keeps its outline, so that another base or other points can be tried.
+void Measurements::endVolume(Entry& entry, const JobInfo& info, const MeasuredVolume& found)
+{
+    entry.job = 0;
+    Measurement& m = entry.measurement;
+    if (info.state == JobState::Finished) {
+        m.quantities = ui::quantitiesOf(found);
+        m.facts = factsOf(found, entry.wish);
+    } else {
+        m.quantities = measure(*entry.document, m.kind, m.points).quantities;
+        m.facts = {{"Not measured", info.state == JobState::Failed ? info.error : "cancelled"}};
+        if (info.state == JobState::Failed)
+            m_workspace.say(MessageKind::Warning, toQString(info.error), {}, entry.document);
+    }
+    emit changed();
+}
+
 Measurements::Entry* Measurements::find(quint64 id)
 {
     const auto found = std::find_if(m_entries.begin(), m_entries.end(), [&](const Entry& e) { return e.id == id; });
@@ -141,12 +194,18 @@ Measurements::Entry* Measurements::find(quint64 id)
 
 void Measurements::remove(quint64 id)
 {
-    if (std::erase_if(m_entries, [&](const Entry& e) { return e.id == id; }) != 0) emit changed();
+    const Entry* const entry = find(id);
+    if (entry == nullptr) return;
+    if (entry->job != 0) m_workspace.cancel(entry->job);
+    std::erase_if(m_entries, [&](const Entry& e) { return e.id == id; });
+    emit changed();
 }
 
 void Measurements::clear()
 {
     if (m_entries.empty()) return;
+    for (const Entry& e : m_entries)
+        if (e.job != 0) m_workspace.cancel(e.job);
     m_entries.clear();
     emit changed();
 }
@@ -165,6 +224,7 @@ QString Measurements::text(quint64 id) const
                 line(toQString(q.name), quantityText(q, e.measurement.length));
         else
             line(tr("Index"), QString::number(e.measurement.points.front().index));
+        for (const auto& [name, value] : e.measurement.facts) line(toQString(name), toQString(value));
         for (const auto& [name, value] : e.attributes) line(name, value);
         for (const NearPoint& n : e.nearest)
             line(tr("Neighbor %1").arg(n.index), quantityText({"", n.distance}, e.measurement.length));

@@ -377,10 +377,10 @@ void GroundSurface::measureVolume(double height)
             tr("Volume"),
             [found, selected, height, source = source(*document), cloud = document->cloud()](Progress& progress) {
                 VolumeQuestion question;
-                question.base = height;
+                question.height = height;
                 if (selected) {
-                    question.within = outlineOf(*cloud, *selected);
-                    if (question.within.size() < 3) throw Error("The selected points enclose no area.");
+                    question.within = {outlineOf(*cloud, *selected)};
+                    if (question.within.front().size() < 3) throw Error("The selected points enclose no area.");
                 }
                 const auto surface = source(progress);
                 *found = surface->withTiles(

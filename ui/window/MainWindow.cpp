@@ -118,6 +118,9 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     m_ground = new GroundSurface(main, *m_menus, *m_selection);
     m_sections = new Sections(main, *m_menus, *m_selectTools, *m_measureTools, *views, *m_settings);
     m_ground->showIn(*m_sections);
+    m_measurements->setVolumeScope([this](const Document& document) {
+        return VolumeScope{m_ground->classes(), m_filter->visibility(document)};
+    });
     m_places = new Places(*m_menus, *m_workspace, *m_viewport, *m_settings);
     m_screenshots = new Screenshots(*this, *m_workspace, *m_viewport, *m_sections, *m_measurements, *m_settings);
 
