@@ -130,7 +130,7 @@ std::string statedCrs(const Json& whole)
 {
     const Json* const crs = part(whole, "crs");
     const Json* const properties = crs != nullptr ? part(*crs, "properties") : nullptr;
-    const std::string name = properties != nullptr ? textOf(part(*properties, "name")) : std::string();
+    std::string name = properties != nullptr ? textOf(part(*properties, "name")) : std::string();
     if (name.empty()) return {};
     if (name.ends_with("CRS84")) return "EPSG:4326";
     const std::size_t begin = name.find_last_not_of("0123456789") + 1;

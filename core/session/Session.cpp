@@ -142,6 +142,13 @@ std::optional<EditOutcome> Session::apply(MadeEdit made, Progress& progress)
     return doIt(std::move(made.command), made.edits, progress);
 }
 
+/// But for deleted ones.
+PointIndex Session::shownPoints() const
+{
+    const auto deleted = deletedPoints(*m_cloud);
+    return m_cloud->size() - (deleted ? deleted->count() : 0);
+}
+
 /// `edits`: how many there may have been; nothing: any number.
 std::optional<EditOutcome> Session::doIt(std::unique_ptr<Command> command, std::optional<std::uint64_t> edits,
                                          Progress& progress)
@@ -151,6 +158,7 @@ std::optional<EditOutcome> Session::doIt(std::unique_ptr<Command> command, std::
     const auto before = attributeNames(*m_cloud);
     progress.check();
     outcome.changed = command->changedPoints();
+    if (!command->points()) outcome.changed = std::min(outcome.changed, shownPoints());  // all that there are
     outcome.finding = command->finding();
     progress.begin("Changing points", 1);
     {

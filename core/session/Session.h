@@ -154,6 +154,7 @@ public:
     void checkTarget(const std::filesystem::path& target) const;
     /// Of each file, whether the points differ from what it holds: as the history says, or where it cannot, by
     /// reading the file.
+    PointIndex shownPoints() const;
     std::vector<bool> changedParts(Progress& progress) const;
     /// Compares the cloud with path(), as saving it to `target` would write it, point by point. Of a survey: the
     /// files that changed.

@@ -72,6 +72,7 @@ private slots:
         QVERIFY(session->unsavedChanges(m_progress).find("Classification") != std::string::npos);
         const EditOutcome added =
             session->edit({"set", {{"rule", "Twice = Intensity * 2"}, {"new", "uint32"}}, nullptr}, m_progress);
+        QCOMPARE(added.changed, PointIndex(kPoints));
         QCOMPARE(added.newAttributes, std::vector<std::string>{"Twice"});
         session->undo(m_progress);
         session->undo(m_progress);
@@ -98,6 +99,25 @@ private slots:
         const SaveOutcome again = session->save({place("c.las"), {}, true, std::move(old)}, m_progress);
         QVERIFY(again.compared);
         QCOMPARE(again.preview.difference.attributes[0].name, std::string("UserData"));
+    }
+
+    /// Deleted points get no values that anybody sees.
+    void newAttributesCountNoDeletedPoints()
+    {
+        const auto session = opened();
+        const Recipe twice{"set", {{"rule", "Twice = Intensity * 2"}, {"new", "uint32"}}, nullptr};
+        const PointIndex gone =
+            session->edit({"delete", {{"where", "UserData > 100"}}, nullptr}, m_progress).changed;
+        QVERIFY(gone > 0 && gone < kPoints);
+        QCOMPARE(session->edit(twice, m_progress).changed, kPoints - gone);
+        QCOMPARE(session->history().changedPoints().back(), kPoints - gone);
+        // the same after it was undone and done again
+        session->walk(0, m_progress);
+        session->walk(2, m_progress);
+        QCOMPARE(session->history().changedPoints().back(), kPoints - gone);
+        QCOMPARE(session->edit({"normals", {}, nullptr}, m_progress).changed, kPoints - gone);
+        session->walk(0, m_progress);
+        QCOMPARE(session->edit(twice, m_progress).changed, PointIndex(kPoints));
     }
 
     void aHistoryThatKeepsNothingStillKnowsThatPointsChanged()

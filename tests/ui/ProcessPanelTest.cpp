@@ -16,6 +16,7 @@
 #include "ui/select/RuleField.h"
 #include "ui/style/NumberField.h"
 #include "ui/style/Widgets.h"
+#include "ui/view/Overlays.h"
 #include "ui/view/ViewSettings.h"
 #include "ui/window/MainMenu.h"
 
@@ -146,13 +147,22 @@ private Q_SLOTS:
         QVERIFY(b.valuesNow() == values);
         const render::Image previewed = b.picture();
         QVERIFY(difference(before, previewed) > 0.005);
+        // the legend has the class that only the preview has
+        const auto waterInLegend = [&b] {
+            for (const Legend::Entry& entry : b.window->viewport().legend().content().entries)
+                if (entry.name == classText(9)) return entry.points;
+            return std::uint64_t(0);
+        };
+        QCOMPARE(waterInLegend(), low);
         // held, the key shows what is
         Viewport& view = b.window->viewport();
         view.setFocus();
         QTest::keyPress(&view, Qt::Key_C);
         QCOMPARE(difference(before, b.picture()), 0.0);
+        QCOMPARE(waterInLegend(), std::uint64_t(0));
         QTest::keyRelease(&view, Qt::Key_C);
         QCOMPARE(difference(previewed, b.picture()), 0.0);
+        QCOMPARE(waterInLegend(), low);
         // applied, it is what was previewed, and the key shows what was
         PanelBench::press(b.dock().runButton());
         QVERIFY(b.ran());
@@ -160,9 +170,11 @@ private Q_SLOTS:
         QCOMPARE(b.waters(), low);
         QVERIFY(!b.dock().preview().on() && !b.dock().previewButton().isChecked());
         QCOMPARE(difference(previewed, b.picture()), 0.0);
+        QVERIFY(waitFor([&] { return waterInLegend() == low; }));  // counted anew
         QTest::keyPress(&view, Qt::Key_C);
         QVERIFY(b.settle());
         QCOMPARE(difference(before, b.picture()), 0.0);
+        QCOMPARE(waterInLegend(), std::uint64_t(0));
         QTest::keyRelease(&view, Qt::Key_C);
         QCOMPARE(difference(previewed, b.picture()), 0.0);
         b.window->menu().undo->trigger();

@@ -249,6 +249,24 @@ void Document::setClassCounts(const std::array<std::uint64_t, 256>& counts)
     emit classCountsChanged();
 }
 
+std::optional<std::array<std::uint64_t, 256>> Document::classCountsShown() const
+{
+    auto counts = m_classCounts;
+    if (!counts) return counts;
+    for (const CommandPreview::ClassChange& change : m_previewedClasses) {
+        (*counts)[change.from] -= std::min<std::uint64_t>((*counts)[change.from], change.points);
+        if (change.to) (*counts)[*change.to] += change.points;
+    }
+    return counts;
+}
+
+void Document::setPreviewedClasses(std::vector<CommandPreview::ClassChange> changes)
+{
+    if (changes.empty() && m_previewedClasses.empty()) return;
+    m_previewedClasses = std::move(changes);
+    emit previewedClassesChanged();
+}
+
 void Document::setSpacing(double spacing)
 {
     m_spacing = spacing;

@@ -3,6 +3,7 @@
 
 #include "core/cloud/DistinctValues.h"
 #include "core/cloud/PointCloud.h"
+#include "core/edit/CommandPreview.h"
 #include "core/session/FileFacts.h"
 #include "core/session/Session.h"
 
@@ -122,6 +123,9 @@ public:
     const DistinctValues* values(const QString& name) const;
     /// Points of each class, without deleted ones; nothing while not known, or where the cloud has no classes.
     const std::optional<std::array<std::uint64_t, 256>>& classCounts() const noexcept { return m_classCounts; }
+    /// The same of what a preview shows, as long as there is one: what legends tell.
+    std::optional<std::array<std::uint64_t, 256>> classCountsShown() const;
+    void setPreviewedClasses(std::vector<CommandPreview::ClassChange> changes);
 
     /// In one line, what saving would change; empty when nothing, or while it is not known.
     const QString& unsavedChanges() const noexcept { return m_unsavedChanges; }
@@ -168,6 +172,7 @@ signals:
     void attributesChanged();
     void figuresChanged(const QString& name);
     void classCountsChanged();
+    void previewedClassesChanged();
     void partsChanged();       ///< parts() but for what is shown
     void partsShownChanged();  ///< which are shown
 
@@ -196,6 +201,7 @@ private:
     std::map<QString, AttributeFigures> m_figures;
     std::map<QString, DistinctValues> m_values;
     std::optional<std::array<std::uint64_t, 256>> m_classCounts;
+    std::vector<CommandPreview::ClassChange> m_previewedClasses;
     QString m_unsavedChanges;
     std::optional<LastSave> m_lastSave;
 };

@@ -58,7 +58,8 @@ Legend legendOf(const Document& document, const QString& name, std::pair<double,
     const Attribute* const attribute = document.findAttribute(name);
     if (attribute == nullptr) return {};
     LegendFacts facts;
-    if (document.classCounts()) facts.classCounts = &*document.classCounts();
+    const auto counts = document.classCountsShown();
+    if (counts) facts.classCounts = &*counts;
     facts.values = document.values(name);
     return legendOf(*attribute, facts, range, display);
 }

@@ -96,7 +96,17 @@ void StepPreview::begin(Document& document, const StepWish& wish)
 
 void StepPreview::show()
 {
-    m_renderer.setPreview(m_cloud, m_before ? nullptr : m_found->preview.preview);
+    display(m_cloud, m_before ? nullptr : &m_found->preview);
+}
+
+/// In the views and in their legends; null: the points as they are.
+void StepPreview::display(const std::shared_ptr<PointCloud>& cloud, const CommandPreview* preview)
+{
+    m_renderer.setPreview(cloud, preview != nullptr ? preview->preview : nullptr);
+    Document* const document = m_workspace.find(cloud.get());
+    if (document == nullptr) return;
+    document->setPreviewedClasses(preview != nullptr ? preview->classes
+                                                     : std::vector<CommandPreview::ClassChange>());
 }
 
 void StepPreview::tell()
@@ -115,7 +125,7 @@ void StepPreview::end()
     if (!on()) return;
     ++m_number;
     if (const JobId job = std::exchange(m_job, 0); job != 0) m_workspace.cancel(job);
-    if (const auto found = std::exchange(m_found, nullptr)) m_renderer.setPreview(m_cloud, nullptr);
+    if (const auto found = std::exchange(m_found, nullptr)) display(m_cloud, nullptr);
     m_cloud = nullptr;
     emit toggled(false);
 }
@@ -155,8 +165,7 @@ void StepPreview::showLastEdit()
         [this, found, number = m_beforeNumber](const JobInfo& info) {
             if (number != m_beforeNumber) return;
             m_beforeJob = 0;
-            if (info.state == JobState::Finished && found->preview)
-                m_renderer.setPreview(m_beforeCloud, found->preview);
+            if (info.state == JobState::Finished && found->preview) display(m_beforeCloud, found.get());
         },
         true);
     m_workspace.tie(*document, m_beforeJob);
@@ -167,7 +176,7 @@ void StepPreview::endLastEdit()
     if (!m_beforeCloud) return;
     ++m_beforeNumber;
     if (const JobId job = std::exchange(m_beforeJob, 0); job != 0) m_workspace.cancel(job);
-    m_renderer.setPreview(m_beforeCloud, nullptr);
+    display(m_beforeCloud, nullptr);
     m_beforeCloud = nullptr;
 }
 

@@ -60,6 +60,7 @@ private:
         CommandPreview preview;
     };
     void show();
+    void display(const std::shared_ptr<PointCloud>& cloud, const CommandPreview* preview);
     void tell();
     void showLastEdit();
     void endLastEdit();

@@ -419,6 +419,7 @@ void Viewport::setDocument(Document* document, int documents)
         connect(document, &Document::attributesChanged, this, &Viewport::updateLegend);
         connect(document, &Document::figuresChanged, this, &Viewport::updateLegend);
         connect(document, &Document::classCountsChanged, this, &Viewport::updateLegend);
+        connect(document, &Document::previewedClassesChanged, this, &Viewport::updateLegend);
     }
     m_startPage->setVisible(documents == 0 && !m_flat);
     m_compass->setVisible(documents > 0 && !m_flat);
