@@ -210,7 +210,7 @@ void AttributesCommand::plan(const PointCloud& cloud)
 {
     m_values.kind = ChangeNotice::Kind::Values;
     m_list.kind = ChangeNotice::Kind::Attributes;
-    if (const auto deleted = cloud.deleted()) m_changedPoints -= std::min(m_changedPoints, deleted->count());
+    if (const auto& deleted = cloud.deleted()) m_changedPoints -= std::min(m_changedPoints, deleted->count());
     for (Attribute& attribute : m_attributes) {
         const Attribute* const there = cloud.findAttribute(attribute.name);
         if (there != nullptr && planTrade(cloud, *there, attribute)) {
