@@ -4,7 +4,8 @@
 
 #include <QTest>
 
-/// gl-compute. Nearest depth and least id win, as on the CPU: a converged picture is the brute-force picture.
+/// gl-compute. Nearest depth and least id win, as on the CPU: a converged picture is the brute-force picture. As
+/// graphics cards draw, reading several points at once; PrecisionTest draws as the device would have it.
 class GlComputeBackendTest : public punctum::test::GlBackendChecks
 {
     Q_OBJECT
@@ -12,7 +13,9 @@ class GlComputeBackendTest : public punctum::test::GlBackendChecks
 public:
     GlComputeBackendTest()
         : GlBackendChecks(
-              [](const auto& limits) { return punctum::render::makeGlComputeBackend({.limits = limits}); },
+              [](const auto& limits) {
+                  return punctum::render::makeGlComputeBackend({.limits = limits, .allLoads = true});
+              },
               {0.001, 0.0}, {1, 4, 8, 16})
     {
     }

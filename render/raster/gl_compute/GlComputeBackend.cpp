@@ -25,9 +25,14 @@ constexpr std::uint32_t kRunPoints = 32 * kGroupSize;
 /// Points of a work group that draws a list: lists are shorter.
 constexpr std::uint32_t kListPoints = 8 * kGroupSize;
 /// Points that an invocation asks memory for before it draws the first of them (2022 paper, section 3: so that the
-/// wait for one is the wait for all).
-constexpr std::uint32_t kLoads = 4;
-static_assert(kRunPoints % (kLoads * kGroupSize) == 0 && kListPoints % (kLoads * kGroupSize) == 0);
+/// wait for one is the wait for all). llvmpipe, which is a processor, has no such wait and only copies more.
+constexpr std::uint32_t kMostLoads = 4;
+static_assert(kRunPoints % (kMostLoads * kGroupSize) == 0 && kListPoints % (kMostLoads * kGroupSize) == 0);
+
+std::uint32_t loadsOf(const GlInfo& info)
+{
+    return info.renderer.starts_with("llvmpipe") ? 1 : kMostLoads;
+}
 
 constexpr int kAdding = 3;
 
@@ -41,6 +46,7 @@ struct Variant {
     bool stretches = false;  ///< points out of sight are left out by stretches
     bool pixels = false;
     int samples = 1;
+    std::uint32_t loads = kMostLoads;
     friend auto operator<=>(const Variant&, const Variant&) = default;  // NOLINT(modernize-use-nullptr)
 };
 
@@ -55,7 +61,7 @@ GlProgram makeProgram(const Variant& v)
     define("PASS", std::to_string(v.pass));
     define("SAMPLES", std::to_string(v.samples));
     define("GROUP_SIZE", std::to_string(kGroupSize));
-    define("LOADS", std::to_string(kLoads));
+    define("LOADS", std::to_string(v.loads));
     define("GROUP_POINTS", std::to_string(v.list ? kListPoints : kRunPoints));
     if (v.wide) define("WIDE", "");
     if (v.commands) define("COMMANDS", "");
@@ -100,7 +106,9 @@ class GlComputeBackend final : public GlBackend
 {
 public:
     explicit GlComputeBackend(const GlComputeOptions& options)
-        : GlBackend(options.limits, {kListPoints, kRunPoints}), m_wide(options.allowWide && hasWideAtomics())
+        : GlBackend(options.limits, {kListPoints, kRunPoints}),
+          m_wide(options.allowWide && hasWideAtomics()),
+          m_loads(options.allLoads ? kMostLoads : loadsOf(info()))
     {
         const auto fits = std::size_t(info().maxStorageBlock) / (m_wide ? 8 : 4);
         auto visibility =
@@ -136,6 +144,7 @@ private:
     void bindChunk(const FrameScene& scene, const Layer& layer, const GlPointCopy::Chunk& chunk);
 
     bool m_wide;
+    std::uint32_t m_loads;
     bool m_stretches = false;      ///< of the program in use
     GlBufferVisibility* m_target;  ///< the visibility buffer, which GlBackend owns
     std::map<Variant, GlProgram> m_programs;
@@ -164,6 +173,7 @@ void GlComputeBackend::use(Variant variant, const FrameScene& scene, const Layer
     m_stretches = variant.stretches;
     variant.pixels = p.singlePixels(size.samples);
     variant.samples = size.samples;
+    variant.loads = m_loads;
     GlProgram& program = m_programs[variant];
     if (!program) program = makeProgram(variant);
     program.use();

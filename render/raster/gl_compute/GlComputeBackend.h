@@ -19,6 +19,7 @@ namespace punctum::render
 struct GlComputeOptions {
     GlLimits limits;
     bool allowWide = true;  ///< false: two passes, even where there are 64-bit atomics
+    bool allLoads = false;  ///< true: invocations read several points at once, even where that is slower
 };
 
 /// Throws Error when there is no such context.
