@@ -37,11 +37,16 @@ constexpr std::size_t kMostWarnings = 10;        ///< of damaged chunks, one sen
 constexpr std::uint64_t kDecodeStep = 2048;      ///< points between two looks at the cancel flag
 constexpr std::uint64_t kDecodeBytes = 1 << 17;  ///< LAZ: of records at once, to leave the cache to the models
 
+constexpr PointIndex kFirstsRow = 1 << 16;  ///< LAS: records from one place of readFirsts() to the next
+constexpr std::uint64_t kMostGrowth = 64;   ///< bytes that a record may have more than before it was compressed
+
 /// What is done with points as they come, by the worker that has them.
 struct Receiver {
-    Reader::RecordVisitor records;              ///< raw records, in pieces that are still in the cache
-    std::function<void(PointRange)> arrived;    ///< a batch whose records were all given, and are sound
+    Reader::RecordVisitor records;  ///< raw records, in pieces that are still in the cache
+    /// A batch whose records were all given, and are sound. Those of its beginning, before `fresh`, were known.
+    std::function<void(PointRange, PointIndex fresh)> arrived;
     std::function<void(PointRange)> withdrawn;  ///< records that were given, but are damaged after all
+    std::span<const PointRange> known = {};     ///< points that are not given again, in order
 };
 
 /// What the workers of one reading share.
@@ -51,6 +56,25 @@ struct Shared {
     std::mutex mutex;
     std::vector<std::pair<PointRange, std::string>> missing;
 
+    /// Where, from `first` on, the points begin that were not known before.
+    PointIndex knownUntil(PointIndex first) const
+    {
+        const auto after = std::upper_bound(receiver.known.begin(), receiver.known.end(), first,
+                                            [](PointIndex i, const PointRange& range) { return i < range.first; });
+        return after == receiver.known.begin() ? first : std::max(first, std::prev(after)->last);
+    }
+    /// Hands on the records of a range, but for those known before.
+    void give(PointRange range, PointIndex fresh, std::span<const std::byte> records) const
+    {
+        const PointIndex first = std::max(range.first, fresh);
+        if (first >= range.last) return;
+        const std::size_t length = records.size() / std::size_t(range.size());
+        receiver.records({first, range.last}, records.subspan(std::size_t(first - range.first) * length));
+    }
+    void arrive(PointRange range, PointIndex fresh) const
+    {
+        receiver.arrived(range, std::clamp(fresh, range.first, range.last));
+    }
     void miss(PointRange range, const std::string& why)
     {
         const std::lock_guard lock(mutex);
@@ -96,6 +120,8 @@ struct Reader::Impl {
     void decode(PointDecoder& decoder, const Chunk& chunk, const std::function<bool()>& whole,
                 std::vector<std::byte>& scratch, Shared& shared) const;
     ReadResult visit(Progress& progress, const Receiver& receiver) const;
+    PointRange readPiece(std::uint64_t piece, std::uint64_t points, ChunkWorker& worker) const;
+    bool firstsOfChunk(const Chunk& chunk, std::uint64_t points, ChunkWorker& worker) const;
 };
 
 Reader::Reader(std::unique_ptr<Impl> impl, std::shared_ptr<const SourceFile> source)
@@ -164,13 +190,14 @@ void Reader::Impl::visitBlock(PointRange block, std::vector<std::byte>& scratch,
     const std::uint64_t slice =
         std::min(block.size(), std::max<std::uint64_t>(1, kSliceBytes / length / kSlicePoints) * kSlicePoints);
     scratch.resize(std::size_t(slice * length));
+    const PointIndex fresh = shared.knownUntil(block.first);
     for (PointIndex first = block.first; first < block.last; first += slice) {
         const PointRange part{first, std::min(first + slice, block.last)};
         const auto records = std::span(scratch).first(std::size_t(part.size() * length));
         file.readAt(s.header.pointOffset() + part.first * length, records);
-        shared.receiver.records(part, records);
+        shared.give(part, fresh, records);
     }
-    shared.receiver.arrived(block);
+    shared.arrive(block, fresh);
     shared.progress.add(block.size());
 }
 
@@ -184,10 +211,11 @@ void Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, const std::
     const std::uint64_t length = parsed.source->layout.length;
     const std::uint64_t step = std::clamp<std::uint64_t>(kDecodeBytes / length, 1, kDecodeStep);
     scratch.resize(std::size_t(step * length));
+    const PointIndex fresh = shared.knownUntil(chunk.first);
     std::uint64_t arrived = 0;
     const auto arrive = [&](std::uint64_t end) {
         for (; arrived < end; arrived += std::min(end - arrived, kMostInBatch))
-            shared.receiver.arrived({chunk.first + arrived, chunk.first + std::min(end, arrived + kMostInBatch)});
+            shared.arrive({chunk.first + arrived, chunk.first + std::min(end, arrived + kMostInBatch)}, fresh);
     };
     for (std::uint64_t done = 0; done < chunk.count;) {
         const std::uint64_t batch = std::min(chunk.count - done, kMostInBatch);
@@ -200,8 +228,8 @@ void Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, const std::
             if (decoder.decode(std::size_t(n), scratch.data()) != n) {
                 trouble = decoder.error();
             } else {
-                shared.receiver.records({first + given, first + given + n},
-                                        std::span(scratch).first(std::size_t(n * length)));
+                shared.give({first + given, first + given + n}, fresh,
+                            std::span(scratch).first(std::size_t(n * length)));
                 given += n;
             }
         }
@@ -213,7 +241,7 @@ void Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, const std::
                 trouble = "it has zeros in place of its bytes";
         }
         if (!trouble.empty()) {
-            shared.receiver.withdrawn({chunk.first + arrived, first + given});
+            shared.receiver.withdrawn({chunk.first + arrived, std::max(first + given, fresh)});
             shared.miss({chunk.first + arrived, chunk.first + chunk.count}, trouble);
             shared.progress.add(chunk.count - done);
             return;
@@ -231,6 +259,7 @@ void Reader::Impl::visitChunk(const Chunk& chunk, ChunkWorker& worker, Shared& s
     if (parsed.laz.compressor == LazInfo::Layered) {
         const std::string why = checkLayeredChunk(worker.data, parsed.laz, std::uint32_t(chunk.count));
         if (!why.empty()) {
+            shared.receiver.withdrawn({chunk.first, shared.knownUntil(chunk.first)});
             shared.miss({chunk.first, chunk.first + chunk.count}, why);
             shared.progress.add(chunk.count);
             return;
@@ -276,13 +305,73 @@ ReadResult Reader::Impl::visit(Progress& progress, const Receiver& receiver) con
     return shared.finish();
 }
 
+/// Reads the first records of a piece, as readFirsts() counts them, into the worker's; returns which points they
+/// are, none where they cannot be had.
+PointRange Reader::Impl::readPiece(std::uint64_t piece, std::uint64_t points, ChunkWorker& worker) const
+{
+    try {
+        if (parsed.source->compressed) {
+            const Chunk& chunk = parsed.chunks[std::size_t(piece)];
+            // one of which all points came would seem read
+            if (chunk.cut || chunk.count < 2 * points || !firstsOfChunk(chunk, points, worker)) return {};
+            return {chunk.first, chunk.first + points};
+        }
+        const PointIndex first = piece * kFirstsRow;
+        const PointRange range{first, first + std::min(points, kFirstsRow / 2)};
+        const std::uint64_t length = parsed.source->layout.length;
+        worker.records.resize(std::size_t(range.size() * length));
+        file.readAt(parsed.source->header.pointOffset() + first * length, worker.records);
+        return range;
+    } catch (const Error&) {
+        return {};  // read() tells of it
+    }
+}
+
+/// Decodes the first points of a chunk into the worker's records; false where they are damaged. Of a pointwise
+/// chunk no more bytes are read than they can take; of one in layers all, since each layer has some of theirs.
+bool Reader::Impl::firstsOfChunk(const Chunk& chunk, std::uint64_t points, ChunkWorker& worker) const
+{
+    const std::uint64_t length = parsed.source->layout.length;
+    const bool layered = parsed.laz.compressor == LazInfo::Layered;
+    worker.data.resize(
+        std::size_t(layered ? chunk.bytes : std::min(chunk.bytes, points * (length + kMostGrowth) + kMostGrowth)));
+    file.readAt(chunk.offset, worker.data);
+    if (layered && !checkLayeredChunk(worker.data, parsed.laz, std::uint32_t(chunk.count)).empty()) return false;
+    if (worker.decoder)
+        worker.decoder->restart(worker.data);
+    else
+        worker.decoder = std::make_unique<PointDecoder>(parsed.laz, worker.data, chunk.count);
+    worker.records.resize(std::size_t(points * length));
+    const bool decoded = worker.decoder->decode(std::size_t(points), worker.records.data()) == points;
+    if (!decoded || !worker.decoder->reusable()) worker.decoder.reset();
+    return decoded;
+}
+
 ReadResult Reader::visitRecords(Progress& progress, const RecordVisitor& visit) const
 {
-    return m_impl->visit(progress, {visit, [](PointRange) {}, [](PointRange) {}});
+    return m_impl->visit(progress, {visit, [](PointRange, PointIndex) {}, [](PointRange) {}});
 }
 
 namespace
 {
+
+void checkFits(const PointCloud& cloud, const SourceFile& source)
+{
+    const std::size_t columns = source.layout.fields.size() + source.layout.derived.size();
+    if (cloud.size() != source.pointCount || cloud.columns().size() < columns)
+        throw Error(source.path, "The points do not fit the cloud they are read into.");
+}
+
+/// Puts the records of a range into the cloud's columns.
+void putRecords(PointCloud& cloud, const RecordLayout& layout, const Deinterleaver& deinterleave, PointRange range,
+                std::span<const std::byte> records)
+{
+    std::vector<std::byte*> columns(layout.fields.size() + layout.derived.size());
+    for (std::size_t k = 0; k < columns.size(); ++k)
+        columns[k] = cloud.columns()[k]->data() + range.first * layout.field(std::int32_t(k)).bytes();
+    deinterleave(records.data(), std::size_t(range.size()), std::span(columns).first(layout.fields.size()));
+    decodeCompatible(layout, columns, std::size_t(range.size()));
+}
 
 /// Extent and returns of the points of one thread.
 struct Seen {
@@ -305,12 +394,38 @@ struct Seen {
 
 }  // namespace
 
-ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& sink) const
+std::vector<PointRange> Reader::readFirsts(PointCloud& cloud, std::size_t pieces, std::uint64_t points,
+                                           Progress& progress, const BatchSink& sink) const
 {
+    checkFits(cloud, *m_source);
+    // LASzip takes a stream apart from its beginning alone.
+    const bool compressed = m_source->compressed;
+    if (compressed && m_impl->parsed.laz.compressor == LazInfo::Pointwise) return {};
+    const std::uint64_t there =
+        compressed ? m_impl->parsed.chunks.size() : std::uint64_t(m_source->pointCount / kFirstsRow);
+    const auto count = std::uint32_t(std::min<std::uint64_t>({there, pieces, UINT32_MAX}));
+    const Deinterleaver deinterleave(m_source->layout);
+    const std::vector<std::uint32_t> order = spreadOrder(count);
+    std::vector<PointRange> found(count);
+    forEachInOrder<Impl::ChunkWorker>(count, [&](Impl::ChunkWorker& worker, std::size_t turn) {
+        progress.check();
+        const std::uint64_t piece = std::uint64_t(order[turn]) * there / count;
+        const PointRange range = m_impl->readPiece(piece, points, worker);
+        if (range.empty()) return;
+        putRecords(cloud, m_source->layout, deinterleave, range, worker.records);
+        found[order[turn]] = range;
+        sink(range);
+    });
+    std::erase_if(found, [](const PointRange& range) { return range.empty(); });
+    return found;
+}
+
+ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& sink,
+                        std::span<const PointRange> firsts) const
+{
+    checkFits(cloud, *m_source);
     const RecordLayout& layout = m_source->layout;
     const std::size_t all = layout.fields.size() + layout.derived.size();
-    if (cloud.size() != m_source->pointCount || cloud.columns().size() < all)
-        throw Error(m_source->path, "The points do not fit the cloud they are read into.");
     progress.begin("Reading points", m_source->pointCount);
     const auto returnsField = std::size_t(layout.returnsColumn());
     const std::uint8_t returnMask = isExtendedFormat(layout.shownFormat()) ? 15 : 7;
@@ -325,17 +440,14 @@ ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& 
     const Deinterleaver deinterleave(layout);
 
     Receiver receiver;
+    receiver.known = firsts;
     receiver.records = [&](PointRange range, std::span<const std::byte> records) {
-        std::vector<std::byte*> columns(all);
-        for (std::size_t k = 0; k < all; ++k)
-            columns[k] = cloud.columns()[k]->data() + range.first * layout.field(std::int32_t(k)).bytes();
-        deinterleave(records.data(), std::size_t(range.size()), std::span(columns).first(layout.fields.size()));
-        decodeCompatible(layout, columns, std::size_t(range.size()));
+        putRecords(cloud, layout, deinterleave, range, records);
     };
-    receiver.arrived = [&](PointRange range) {
+    receiver.arrived = [&](PointRange range, PointIndex fresh) {
         const auto* returns = reinterpret_cast<const std::uint8_t*>(cloud.columns()[returnsField]->data());
         seen.local().include(include(range), returns + range.first, std::size_t(range.size()), returnMask);
-        if (sink) sink(range);
+        if (sink && fresh < range.last) sink({fresh, range.last});
     };
     receiver.withdrawn = [&](PointRange range) {
         for (std::size_t k = 0; k < all; ++k) {

@@ -5,6 +5,8 @@
 
 #include <functional>
 #include <memory>
+#include <span>
+#include <vector>
 
 namespace punctum
 {
@@ -55,10 +57,20 @@ public:
     /// columns (while they are still in the processor's cache); each point is in exactly one range.
     using BatchSink = std::function<void(PointRange)>;
 
+    /// Reads the first `points` points of at most `pieces` chunks (LAS: rows of records) into the cloud's columns,
+    /// in parallel, from all over the file: a picture of the whole, long before read() has come everywhere, as
+    /// LidarScout (Erler et al. 2025) draws one of the first points of chunks. Chunks that are damaged, cut off or
+    /// short, or cannot be read, are left out. The boxes of the cloud do not have these points yet. Returns where
+    /// they are, in the order of the file, for read(). Throws Error (a cloud that is not the file's) or Cancelled.
+    std::vector<PointRange> readFirsts(PointCloud& cloud, std::size_t pieces, std::uint64_t points,
+                                       Progress& progress, const BatchSink& sink) const;
+
     /// Reads all points into the cloud's columns, in parallel, in an order spread over the file, and includes them
-    /// into its boxes (PointCloud::arriving()), each batch before the sink is told of it. Throws Error (I/O) or
-    /// Cancelled.
-    ReadResult read(PointCloud& cloud, Progress& progress, const BatchSink& sink = {}) const;
+    /// into its boxes (PointCloud::arriving()), each batch before the sink is told of it. Those that readFirsts()
+    /// has given already stay as they are, and the sink is not told of them again; where their chunk turns out to
+    /// be damaged, they are among `missing`, and 0. Throws Error (I/O) or Cancelled.
+    ReadResult read(PointCloud& cloud, Progress& progress, const BatchSink& sink = {},
+                    std::span<const PointRange> firsts = {}) const;
 
     /// Called from worker threads, several at once, with the raw records of a range, one after another.
     using RecordVisitor = std::function<void(PointRange, std::span<const std::byte>)>;

@@ -23,6 +23,10 @@ struct Survey::Member {
     /// Columns of its own, by field; null: the survey's are the field's, or are converted.
     std::vector<std::shared_ptr<Column>> own;
     std::unique_ptr<las::Reader> reader;  ///< until it is read; null where too many files would be open
+    // until it is read:
+    std::shared_ptr<PointCloud> view;  ///< what the reader fills
+    std::vector<PointRange> firsts;    ///< points of the file that were read in advance
+    std::size_t beyond = 0;            ///< coordinates that the survey's grid cannot hold
 };
 
 }  // namespace punctum

@@ -59,6 +59,13 @@ std::string nameOf(const fs::path& path)
     return path.filename().string();
 }
 
+/// Whether a range shares points with one of these, which are in order.
+bool overlapsAny(PointRange range, const std::vector<PointRange>& others)
+{
+    return std::any_of(others.begin(), others.end(),
+                       [&](const PointRange& o) { return o.first < range.last && range.first < o.last; });
+}
+
 /// "a.laz, b.laz, c.laz and 12 others".
 std::string listOf(const std::vector<std::string>& names)
 {
@@ -369,63 +376,80 @@ std::shared_ptr<PointCloud> Survey::readingView(std::size_t part)
     return view;
 }
 
-las::ReadResult Survey::readPart(std::size_t part, ChangesOfThreads& changes, Progress& progress,
-                                 const las::Reader::BatchSink& sink)
+/// What is done with the points of a part while its file is read: they get their places in the survey.
+class Survey::PartReading
 {
-    const Part& p = m_parts[part];
-    Member& member = *m_members[part];
-    std::unique_ptr<las::Reader> reader = std::move(member.reader);
-    if (!reader) {
-        reader = las::Reader::open(p.path, nullptr);  // open() has looked for leftovers
-        if (reader->source()->pointCount != p.points.size() ||
-            reader->source()->layout.length != p.source->layout.length ||
-            reader->source()->current->get().stamp != p.source->current->get().stamp)
-            throw Error(p.path, "The file was changed by another program while it was being opened.");
+public:
+    PartReading(Survey& survey, std::size_t part, ChangesOfThreads& changes)
+        : m_survey(survey),
+          m_part(survey.m_parts[part]),
+          m_member(*survey.m_members[part]),
+          m_changes(changes),
+          m_ownGrid(survey.isOwn(part, 0))
+    {
+        if (!m_member.view) m_member.view = survey.readingView(part);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            m_shared[axis] = survey.m_columns[axis]->values<std::int32_t>().data() + m_part.points.first;
     }
-    const auto view = readingView(part);
-    const std::int32_t* const own[3] = {view->rawX().data(), view->rawY().data(), view->rawZ().data()};
-    const bool ownGrid = isOwn(part, 0);
-    std::int32_t* shared[3];
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        shared[axis] = m_columns[axis]->values<std::int32_t>().data() + p.points.first;
-    std::mutex mutex;
-    RawBounds bounds;
-    std::size_t beyond = 0;
+    PointCloud& view() const noexcept { return *m_member.view; }
+    PointRange inSurvey(PointRange range) const noexcept
+    {
+        return {m_part.points.first + range.first, m_part.points.first + range.last};
+    }
+    bool hasOwnGrid() const noexcept { return m_ownGrid; }
+    /// Of all points that arrived.
+    const RawBounds& bounds() const noexcept { return m_bounds; }
 
-    const auto place = [&](PointRange range) {
+    /// Points of the file that its reader has put into the view. Any thread.
+    void arrived(PointRange range)
+    {
+        const std::size_t beyond = m_ownGrid ? place(range) : 0;
+        if (m_member.links.converted) convert(range);
+        const auto first = std::size_t(range.first);
+        const RawBounds box = m_survey.m_cloud->arriving()->include(inSurvey(range), m_shared[0] + first,
+                                                                    m_shared[1] + first, m_shared[2] + first);
+        if (!m_ownGrid) return;
+        const std::lock_guard lock(m_mutex);
+        m_bounds.include(box);
+        m_member.beyond += beyond;
+    }
+
+private:
+    /// Returns how many coordinates lie beyond what the survey's grid can hold.
+    std::size_t place(PointRange range)
+    {
         const auto first = std::size_t(range.first), n = std::size_t(range.size());
-        std::size_t out = 0;
-        if (p.moved) {
-            std::vector<glm::dvec3> points(n);
-            for (std::size_t i = 0; i < n; ++i) points[i] = view->world(range.first + i);
-            if (const auto* const change = changes.own.local().from(member.from, member.to)) (*change)(points);
-            if (member.heights != 1.0)
-                for (glm::dvec3& point : points) point.z *= member.heights;
-            for (std::size_t i = 0; i < n; ++i) {
-                const glm::dvec3 raw = m_cloud->coordinates().toRaw(points[i]);
-                for (int axis = 0; axis < 3; ++axis) {
-                    const double v = std::floor(raw[axis] + 0.5), c = std::clamp(v, -0x1p31, 0x1p31 - 1);
-                    out += std::size_t(!(v == c));
-                    shared[axis][first + i] = c == c ? std::int32_t(c) : 0;
-                }
-            }
-        } else {
+        std::size_t beyond = 0;
+        if (!m_part.moved) {
+            const std::int32_t* const own[3] = {view().rawX().data(), view().rawY().data(), view().rawZ().data()};
             for (int axis = 0; axis < 3; ++axis)
-                out += member.grid(axis, {own[axis] + first, n}, shared[axis] + first);
+                beyond += m_member.grid(axis, {own[axis] + first, n}, m_shared[axis] + first);
+            return beyond;
         }
-        if (out == 0) return;
-        const std::lock_guard lock(mutex);
-        beyond += out;
-    };
-    const auto convert = [&](PointRange range) {
+        std::vector<glm::dvec3> points(n);
+        for (std::size_t i = 0; i < n; ++i) points[i] = view().world(range.first + i);
+        if (const auto* const change = m_changes.own.local().from(m_member.from, m_member.to)) (*change)(points);
+        if (m_member.heights != 1.0)
+            for (glm::dvec3& point : points) point.z *= m_member.heights;
+        for (std::size_t i = 0; i < n; ++i) {
+            const glm::dvec3 raw = m_survey.m_cloud->coordinates().toRaw(points[i]);
+            for (int axis = 0; axis < 3; ++axis) {
+                const double v = std::floor(raw[axis] + 0.5), c = std::clamp(v, -0x1p31, 0x1p31 - 1);
+                beyond += std::size_t(!(v == c));
+                m_shared[axis][first + i] = c == c ? std::int32_t(c) : 0;
+            }
+        }
+        return beyond;
+    }
+    void convert(PointRange range)
+    {
         const auto mine = [&](const char* name) {
-            const int field = p.source->layout.find(name);
-            return view->columns()[std::size_t(field)]->data() +
-                   range.first * view->columns()[std::size_t(field)]->elementBytes();
+            const auto& column = view().columns()[std::size_t(m_part.source->layout.find(name))];
+            return column->data() + range.first * column->elementBytes();
         };
         const auto theirs = [&](const char* name) {
-            const auto& column = m_columns[std::size_t(source()->layout.find(name))];
-            return column->data() + (p.points.first + range.first) * column->elementBytes();
+            const auto& column = m_survey.m_columns[std::size_t(m_survey.source()->layout.find(name))];
+            return column->data() + (m_part.points.first + range.first) * column->elementBytes();
         };
         toExtended(
             {reinterpret_cast<std::uint8_t*>(mine("Returns")), reinterpret_cast<std::uint8_t*>(mine("Classes")),
@@ -434,41 +458,106 @@ las::ReadResult Survey::readPart(std::size_t part, ChangesOfThreads& changes, Pr
              reinterpret_cast<std::uint8_t*>(theirs("Classification")),
              reinterpret_cast<std::int16_t*>(theirs("ScanAngle"))},
             std::size_t(range.size()));
-    };
-    las::ReadResult result = reader->read(*view, progress, [&](PointRange range) {
-        if (ownGrid) place(range);
-        if (member.links.converted) convert(range);
-        const auto first = std::size_t(range.first);
-        const RawBounds box =
-            m_cloud->arriving()->include({p.points.first + range.first, p.points.first + range.last},
-                                         shared[0] + first, shared[1] + first, shared[2] + first);
-        if (ownGrid) {
-            const std::lock_guard lock(mutex);
-            bounds.include(box);
+    }
+
+    Survey& m_survey;
+    const Part& m_part;
+    Member& m_member;
+    ChangesOfThreads& m_changes;
+    bool m_ownGrid;
+    std::int32_t* m_shared[3] = {};  ///< the part's coordinates in the survey
+    std::mutex m_mutex;
+    RawBounds m_bounds;
+};
+
+/// The reader of a part whose file was closed again, since there are so many.
+std::unique_ptr<las::Reader> Survey::readerOf(std::size_t part) const
+{
+    const Part& p = m_parts[part];
+    auto reader = las::Reader::open(p.path, nullptr);  // open() has looked for leftovers
+    if (reader->source()->pointCount != p.points.size() ||
+        reader->source()->layout.length != p.source->layout.length ||
+        reader->source()->current->get().stamp != p.source->current->get().stamp)
+        throw Error(p.path, "The file was changed by another program while it was being opened.");
+    return reader;
+}
+
+/// The first points of chunks all over the survey, of each file some. What cannot be read is told of by read().
+void Survey::readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress& progress,
+                        const las::Reader::BatchSink& sink)
+{
+    const PointIndex all = m_cloud->size();
+    if (all == 0 || all < ahead.from) return;
+    const std::vector<std::uint32_t> order = las::spreadOrder(std::uint32_t(m_parts.size()));
+    las::forEachInOrder(m_parts.size(), [&](std::vector<std::byte>&, std::size_t turn) {
+        const std::size_t k = order[turn];
+        const Part& part = m_parts[k];
+        Member& member = *m_members[k];
+        progress.check();
+        const auto pieces = std::size_t(ahead.chunks * part.points.size() / all) + 1;
+        try {
+            std::unique_ptr<las::Reader> opened;
+            if (!member.reader) opened = readerOf(k);
+            const las::Reader& reader = member.reader ? *member.reader : *opened;
+            if (!many()) {
+                member.firsts = reader.readFirsts(*m_cloud, pieces, ahead.points, progress, sink);
+                return;
+            }
+            PartReading reading(*this, k, changes);
+            member.firsts =
+                reader.readFirsts(reading.view(), pieces, ahead.points, progress, [&](PointRange range) {
+                    reading.arrived(range);
+                    sink(reading.inSurvey(range));
+                });
+        } catch (const Error&) {
+            // read() meets the same, and tells of it
         }
-        if (sink) sink({p.points.first + range.first, p.points.first + range.last});
     });
+}
+
+las::ReadResult Survey::readPart(std::size_t part, ChangesOfThreads& changes, Progress& progress,
+                                 const las::Reader::BatchSink& sink)
+{
+    const Part& p = m_parts[part];
+    Member& member = *m_members[part];
+    std::unique_ptr<las::Reader> reader = std::move(member.reader);
+    if (!reader) reader = readerOf(part);
+    PartReading reading(*this, part, changes);
+    las::ReadResult result = reader->read(
+        reading.view(), progress,
+        [&](PointRange range) {
+            reading.arrived(range);
+            if (sink) sink(reading.inSurvey(range));
+        },
+        member.firsts);
     if (reader->source() != p.source) p.source->asRead->set(reader->source()->asRead->get());
-    if (ownGrid) result.bounds = bounds;
-    if (beyond != 0)
+    if (reading.hasOwnGrid()) {
+        result.bounds = reading.bounds();
+        for (const PointRange& range : member.firsts)
+            if (!overlapsAny(range, result.missing))
+                result.bounds.include(boundsOf(*m_cloud, reading.inSurvey(range)));
+    }
+    if (member.beyond != 0)
         result.warnings.push_back(
-            grouped(beyond) +
+            grouped(member.beyond) +
             " coordinates lie too far away from the other files, and are shown at the edge of "
             "what one survey can hold; they are saved as they are.");
+    member.view.reset();
     return result;
 }
 
-las::ReadResult Survey::read(Progress& progress, const las::Reader::BatchSink& sink)
+las::ReadResult Survey::read(Progress& progress, const las::Reader::BatchSink& sink, const Ahead& ahead)
 {
+    ChangesOfThreads changes;
+    if (sink) readFirsts(ahead, changes, progress, sink);
     if (!many()) {
-        las::ReadResult result = m_members[0]->reader->read(*m_cloud, progress, sink);
+        las::ReadResult result = m_members[0]->reader->read(*m_cloud, progress, sink, m_members[0]->firsts);
         m_members[0]->reader.reset();  // closes the file
         return result;
     }
     const Progress::Whole whole(progress, "Reading points", m_cloud->size());
     std::vector<las::ReadResult> results(m_parts.size());
     std::vector<std::string> failures(m_parts.size());
-    ChangesOfThreads changes;
     const std::vector<std::uint32_t> order = las::spreadOrder(std::uint32_t(m_parts.size()));
     las::forEachInOrder(m_parts.size(), [&](std::vector<std::byte>&, std::size_t turn) {
         const std::size_t k = order[turn];

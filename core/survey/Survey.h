@@ -63,9 +63,22 @@ public:
     /// Those of the warnings that tell of what is missing or damaged.
     const std::vector<std::string>& losses() const noexcept { return m_losses; }
 
+    /// What is read before everything else, for those who look at it meanwhile.
+    struct Ahead {
+        PointIndex from = 4'000'000;  ///< of surveys with so many points, which take a second or more
+        std::uint64_t chunks = 4096;  ///< of so many chunks, and at least one of each file
+        std::uint64_t points = 256;   ///< so many of each
+    };
+
     /// Reads all points, once. `sink` as in las::Reader::read(). A file of many that cannot be read is missing, and
-    /// told of, unless it is the last one left. Throws Error, Cancelled.
-    las::ReadResult read(Progress& progress, const las::Reader::BatchSink& sink);
+    /// told of, unless it is the last one left. Of a survey that takes longer, the first points of chunks all over
+    /// it come before everything else (las::Reader::readFirsts()), some million in all, so that it is seen whole
+    /// within a second or two. Throws Error, Cancelled.
+    las::ReadResult read(Progress& progress, const las::Reader::BatchSink& sink, const Ahead& ahead);
+    las::ReadResult read(Progress& progress, const las::Reader::BatchSink& sink)
+    {
+        return read(progress, sink, Ahead());
+    }
 
     /// One file's points with the edits, as las::write() takes them: columns share the survey's memory wherever the
     /// file's record has the same field. Hold cloud()->mutex() for as long as it is used. Throws Error when the
@@ -75,6 +88,7 @@ public:
 private:
     struct Member;
     struct ChangesOfThreads;
+    class PartReading;
 
     Survey();
     void unite();
@@ -82,6 +96,9 @@ private:
     void compareFiles();
     std::shared_ptr<Column> ownColumn(const las::RecordField& field);
     std::shared_ptr<PointCloud> readingView(std::size_t part);
+    std::unique_ptr<las::Reader> readerOf(std::size_t part) const;
+    void readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress& progress,
+                    const las::Reader::BatchSink& sink);
     las::ReadResult readPart(std::size_t part, ChangesOfThreads& changes, Progress& progress,
                              const las::Reader::BatchSink& sink);
     bool isOwn(std::size_t part, std::size_t field) const;

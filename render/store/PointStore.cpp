@@ -203,6 +203,20 @@ void PointStore::fill(PointRange range)
     m_arrivals.store(m_arrived.size(), std::memory_order_release);
 }
 
+void PointStore::withdraw(PointRange range)
+{
+    auto* const positions = reinterpret_cast<LocalPosition*>(m_slots.positions.data());
+    PointIndex gone = 0;
+    for (PointIndex i = range.first; i < range.last; ++i) {
+        LocalPosition& position = positions[m_order.slotOf(i)];
+        gone += PointIndex(position.x != 0);
+        position = {};
+    }
+    if (gone == 0) return;
+    m_filled.fetch_sub(gone, std::memory_order_release);
+    bumpVersions(range, true);
+}
+
 bool PointStore::arrivedSlots(std::size_t from, std::size_t to, SlotRange within, std::vector<SlotRange>& out) const
 {
     const std::lock_guard lock(m_arrivalMutex);

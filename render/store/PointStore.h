@@ -54,6 +54,8 @@ public:
 
     /// Takes the points of a range from the cloud's columns. Any thread; each point once.
     void fill(PointRange range);
+    /// Points of a range turned out to be damaged after they were taken: their slots are empty again. Any thread.
+    void withdraw(PointRange range);
     /// fill() for all points of a cloud that is complete, in parallel.
     void fillAll();
     bool isFilled(PointIndex index) const noexcept;

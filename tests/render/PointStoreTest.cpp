@@ -22,6 +22,7 @@ private Q_SLOTS:
     void filledInAnyOrder();
     void framesHoldWildExtents();
     void wrongFirstBoundsAreMended();
+    void damagedPointsAreWithdrawn();
     void framesEndWhereTheySay();
     void firstAttributeIsWhatVaries();
     void eightBitColorsAreShownAsSuch();
@@ -104,6 +105,17 @@ void PointStoreTest::wrongFirstBoundsAreMended()
     QVERIFY(!store.outgrown());
     for (PointIndex i = 0; i < cloud->size(); ++i) QVERIFY(store.isFilled(i));
     QCOMPARE(store.frame().shift, 2);
+}
+
+void PointStoreTest::damagedPointsAreWithdrawn()
+{
+    const auto cloud = test::makeCloud(5000);
+    PointStore store(cloud, cloud->computeBounds());
+    store.fill({0, 100});
+    store.fill({2000, 5000});
+    store.withdraw({50, 150});  // of which some had come
+    QCOMPARE(store.filled(), PointIndex(3050));
+    for (PointIndex i = 0; i < cloud->size(); ++i) QCOMPARE(store.isFilled(i), i < 50 || i >= 2000);
 }
 
 void PointStoreTest::framesEndWhereTheySay()

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+#include "core/cloud/BlockBoxes.h"
+#include "core/las/Reader.h"
+#include "core/survey/Survey.h"
+#include "core/task/Progress.h"
+#include "tests/core/LasFiles.h"
+
+#include <QTemporaryDir>
+#include <QTest>
+
+#include <algorithm>
+#include <mutex>
+
+using namespace punctum;
+namespace fs = std::filesystem;
+
+namespace
+{
+
+/// Which points a reader told of.
+class Told
+{
+public:
+    explicit Told(PointIndex points) : m_times(points, 0) {}
+    void operator()(PointRange range)
+    {
+        const std::lock_guard lock(m_mutex);
+        for (PointIndex i = range.first; i < range.last; ++i) ++m_times[i];
+    }
+    PointIndex points() const
+    {
+        return PointIndex(std::count_if(m_times.begin(), m_times.end(), [](int n) { return n != 0; }));
+    }
+    /// Each once, but for these, of which some were told before they turned out to be damaged.
+    bool eachOnceBut(const std::vector<PointRange>& missing) const
+    {
+        std::vector<int> expected(m_times.size(), 1);
+        for (const PointRange& range : missing)
+            for (PointIndex i = range.first; i < range.last; ++i) expected[i] = m_times[i] > 1 ? 1 : m_times[i];
+        return expected == m_times;
+    }
+
+private:
+    std::mutex m_mutex;
+    std::vector<int> m_times;
+};
+
+bool sameRanges(const std::vector<PointRange>& a, const std::vector<PointRange>& b)
+{
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const PointRange& x, const PointRange& y) {
+        return x.first == y.first && x.last == y.last;
+    });
+}
+
+/// The columns and the boxes of two clouds; says which differ, empty where none do.
+std::string difference(const PointCloud& a, const PointCloud& b)
+{
+    if (a.size() != b.size() || a.columns().size() != b.columns().size()) return "sizes";
+    for (std::size_t k = 0; k < a.columns().size(); ++k)
+        if (!std::equal(a.columns()[k]->data(), a.columns()[k]->data() + a.size() * a.columns()[k]->elementBytes(),
+                        b.columns()[k]->data()))
+            return a.columns()[k]->name();
+    const auto boxes = a.boxes(), others = b.boxes();
+    for (std::size_t k = 0; k < boxes->size(); ++k)
+        if ((*boxes)[k] != (*others)[k]) return "boxes";
+    return {};
+}
+
+}  // namespace
+
+/// Points that are read before all others change nothing of what is read.
+class FirstPointsTest : public QObject
+{
+    Q_OBJECT
+
+private slots:
+    void files_data()
+    {
+        QTest::addColumn<QString>("name");
+        for (const char* name : {"bcts_1.laz", "autzen_trim.las", "autzen_trim.laz", "autzen_trim_7.las",
+                                 "tls_clip.laz", "lone-star.laz", "lion_takanawa.copc.laz", "MixedConifer.laz",
+                                 "extra.laz", "plane.laz", "broken_type.laz", "fullwave.laz"})
+            QTest::newRow(name) << name;
+    }
+    void files()
+    {
+        QFETCH(QString, name);
+        const fs::path path = fs::path(PUNCTUM_TEST_DATA) / name.toStdString();
+        if (!fs::exists(path)) QSKIP("The test data is missing.");
+        std::unique_ptr<las::Reader> reader;
+        try {
+            reader = las::Reader::open(path);
+        } catch (const std::exception&) {
+            return;  // no file of points
+        }
+        compare(*reader);
+    }
+
+    /// Damage behind the first points of a chunk: none of the chunk's points is there then.
+    void damage_data()
+    {
+        QTest::addColumn<QString>("name");
+        QTest::newRow("layers") << "bcts_1.laz";
+        QTest::newRow("pointwise") << "autzen_trim.laz";
+    }
+    void damage()
+    {
+        QFETCH(QString, name);
+        const fs::path path = fs::path(PUNCTUM_TEST_DATA) / name.toStdString();
+        if (!fs::exists(path)) QSKIP("The test data is missing.");
+        lasfiles::Bytes bytes = lasfiles::readFile(path);
+        std::size_t found = 0;
+        for (const double share : {0.3, 0.5, 0.7}) {
+            lasfiles::Bytes damaged = bytes;
+            const auto at = std::size_t(share * double(bytes.size()));
+            for (std::size_t k = 0; k < 2000; ++k) damaged[at + k] = std::byte(0);
+            const fs::path file = fs::path(m_dir.path().toStdString()) / path.filename();
+            lasfiles::writeFile(file, damaged);
+            const auto reader = las::Reader::open(file);
+            compare(*reader);
+            if (QTest::currentTestFailed()) return;
+            found += reader->source()->asRead->get().missing.size();
+        }
+        QVERIFY(found >= 2);
+    }
+
+    void surveys_data()
+    {
+        QTest::addColumn<QStringList>("names");
+        QTest::newRow("one file") << QStringList{"bcts_1.laz"};
+        QTest::newRow("one format") << QStringList{"bcts_1.laz", "bcts_2.laz"};
+        QTest::newRow("formats of both kinds")
+            << QStringList{"autzen_trim_7.las", "autzen_trim.las", "autzen_trim.laz", "extra.laz"};
+        QTest::newRow("other places and coordinate systems")
+            << QStringList{"autzen_trim.laz", "bcts_1.laz", "epsg_4326.las", "megaplot.las", "MixedConifer.laz"};
+    }
+    void surveys()
+    {
+        QFETCH(QStringList, names);
+        std::vector<fs::path> files;
+        for (const QString& name : names) {
+            files.push_back(fs::path(PUNCTUM_TEST_DATA) / name.toStdString());
+            if (!fs::exists(files.back())) QSKIP("The test data is missing.");
+        }
+        const auto plain = Survey::open(files, m_progress), ahead = Survey::open(files, m_progress);
+        const las::ReadResult expected = plain->read(m_progress, {});
+        Told told(ahead->cloud()->size());
+        std::vector<PointRange> first;
+        const las::ReadResult result = ahead->read(m_progress,
+                                                   [&](PointRange range) {
+                                                       told(range);
+                                                       if (range.size() == kPoints) first.push_back(range);
+                                                   },
+                                                   {.from = 0, .chunks = 64, .points = kPoints});
+        QVERIFY(first.size() >= files.size());
+        QVERIFY(told.eachOnceBut(result.missing));
+        QCOMPARE(difference(*plain->cloud(), *ahead->cloud()), std::string());
+        QCOMPARE(result.warnings, expected.warnings);
+        QVERIFY(result.bounds == expected.bounds);
+    }
+
+private:
+    static constexpr std::uint64_t kPoints = 100;
+
+    void compare(const las::Reader& reader)
+    {
+        const auto plain = reader.createCloud(), ahead = reader.createCloud();
+        const las::ReadResult expected = reader.read(*plain, m_progress);
+        const las::PointsAsRead figures = reader.source()->asRead->get();
+        Told told(ahead->size());
+        const auto firsts = reader.readFirsts(*ahead, 40, kPoints, m_progress, std::ref(told));
+        QCOMPARE(told.points(), firsts.size() * kPoints);
+        for (std::size_t k = 0; k < firsts.size(); ++k) {
+            QCOMPARE(firsts[k].size(), kPoints);
+            if (k > 0) QVERIFY(firsts[k - 1].last < firsts[k].first);
+        }
+        const las::ReadResult result = reader.read(*ahead, m_progress, std::ref(told), firsts);
+        QVERIFY(told.eachOnceBut(result.missing));
+        QVERIFY(sameRanges(result.missing, expected.missing));
+        QCOMPARE(result.warnings, expected.warnings);
+        QVERIFY(result.bounds == expected.bounds);
+        QCOMPARE(reader.source()->asRead->get().byReturn, figures.byReturn);
+        QCOMPARE(difference(*plain, *ahead), std::string());
+        if (expected.missing.empty() && ahead->size() > (1 << 17)) QVERIFY(!firsts.empty());
+    }
+
+    QTemporaryDir m_dir;
+    Progress m_progress;
+};
+
+QTEST_APPLESS_MAIN(FirstPointsTest)
+#include "FirstPointsTest.moc"
