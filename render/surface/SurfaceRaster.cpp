@@ -78,6 +78,25 @@ glm::vec3 tintOf(double share) noexcept
 
 }  // namespace
 
+void SurfaceRaster::Rectangle::include(const Rectangle& other) noexcept
+{
+    if (other.empty()) return;
+    if (empty()) {
+        *this = other;
+        return;
+    }
+    firstColumn = std::min(firstColumn, other.firstColumn);
+    lastColumn = std::max(lastColumn, other.lastColumn);
+    firstRow = std::min(firstRow, other.firstRow);
+    lastRow = std::max(lastRow, other.lastRow);
+}
+
+SurfaceRaster::Rectangle SurfaceRaster::Rectangle::cutTo(const Rectangle& other) const noexcept
+{
+    return {std::max(firstColumn, other.firstColumn), std::min(lastColumn, other.lastColumn),
+            std::max(firstRow, other.firstRow), std::min(lastRow, other.lastRow)};
+}
+
 SurfaceRaster::Placed SurfaceRaster::place(const SurfaceLayer& layer, const SurfaceTile& tile, double least,
                                            double most, double cellPx) const
 {
@@ -108,8 +127,9 @@ SurfaceRaster::Placed SurfaceRaster::place(const SurfaceLayer& layer, const Surf
                         (perspective ? std::max(low.depth, side / SurfaceTile::kCells) : 1.0);
     placed.step = 1;
     while (placed.step < SurfaceTile::kCells && cell * placed.step * 2 <= cellPx) placed.step *= 2;
-    placed.firstRow = std::max(0, int(std::floor(low.y)) - 1);
-    placed.lastRow = std::min(m_height, int(std::ceil(std::min(high.y, 1e6))) + 1);
+    const auto first = [](double px) { return std::max(0, int(std::floor(std::max(px, -1.0))) - 1); };
+    const auto last = [](double px, int size) { return std::min(size, int(std::ceil(std::min(px, 1e6))) + 1); };
+    placed.pixels = {first(low.x), last(high.x, m_width), first(low.y), last(high.y, m_height)};
     return placed;
 }
 
@@ -153,41 +173,115 @@ void SurfaceRaster::placeAll(std::span<const SurfaceLayer> layers, double cellPx
             include(tile.box.minX, tile.box.minY + i * cell);
             include(tile.box.maxX, tile.box.minY + i * cell);
         }
-        const Placed exact = place(layer, tile, least, most, cellPx);
-        placed.firstRow = exact.firstRow;
-        placed.lastRow = exact.lastRow;
+        placed.pixels = place(layer, tile, least, most, cellPx).pixels;
     });
+}
+
+bool SurfaceRaster::isSameView(std::span<const SurfaceLayer> layers, const TargetSize& size, double cellPx,
+                               SurfaceLook look) const noexcept
+{
+    const auto sameProjection = [](const LayerProjection& a, const LayerProjection& b) {
+        return a.reference == b.reference && a.rowX == b.rowX && a.rowY == b.rowY && a.rowD == b.rowD &&
+               a.perspective == b.perspective && a.nearDepth == b.nearDepth;
+    };
+    const auto sameClip = [](const LayerClip& a, const LayerClip& b) {
+        return a.on == b.on && a.low == b.low && a.high == b.high && a.planeCount == b.planeCount &&
+               a.planes == b.planes;
+    };
+    // the colors of all tiles go by the least and the greatest height
+    const auto sameFrame = [](const SurfaceView& a, const SurfaceView& b) {
+        return a.low == b.low && a.high == b.high && a.steps == b.steps && a.neighbors == b.neighbors &&
+               a.tiles.size() == b.tiles.size();
+    };
+    return size.width == m_width && size.height == m_height && cellPx == m_cellPx && look == m_look &&
+           std::equal(layers.begin(), layers.end(), m_layers.begin(), m_layers.end(),
+                      [&](const SurfaceLayer& a, const SurfaceLayer& b) {
+                          return sameProjection(a.projection, b.projection) && sameClip(a.clip, b.clip) &&
+                                 a.frame.origin == b.frame.origin && a.frame.shift == b.frame.shift &&
+                                 a.pixelsPerUnit == b.pixelsPerUnit && sameFrame(*a.view, *b.view);
+                      });
+}
+
+/// Where tiles were or are that look otherwise than in the last draw(): those that were replaced, and those that
+/// keep to one of them, or to one that does, and so on, always with smaller cells (TileEdges).
+SurfaceRaster::Rectangle SurfaceRaster::changedPixels(std::span<const SurfaceLayer> layers,
+                                                      const std::vector<Placed>& before,
+                                                      const std::vector<std::vector<double>>& cellsBefore) const
+{
+    std::vector<std::vector<std::uint8_t>> changed(layers.size());
+    for (std::size_t l = 0; l < layers.size(); ++l) {
+        const SurfaceView& view = *layers[l].view;
+        const SurfaceView& old = *m_layers[l].view;
+        changed[l].assign(view.tiles.size(), 0);
+        std::vector<std::size_t> found;
+        for (std::size_t t = 0; t < view.tiles.size(); ++t)
+            if (view.tiles[t] != old.tiles[t]) found.push_back(t);
+        for (const std::size_t t : found) changed[l][t] = 1;
+        while (!found.empty()) {
+            const std::size_t tile = found.back();
+            found.pop_back();
+            const double cell = std::max(m_cells[l][tile], cellsBefore[l][tile]);
+            for (const std::uint32_t other : view.neighbors->of(tile)) {
+                if (changed[l][other] != 0 || m_cells[l][other] >= cell) continue;
+                changed[l][other] = 1;
+                found.push_back(other);
+            }
+        }
+    }
+    Rectangle pixels;
+    for (const std::vector<Placed>* all : std::array{&before, &m_placed})
+        for (const Placed& placed : *all)
+            if (changed[placed.layer][placed.tile] != 0) pixels.include(placed.pixels);
+    return pixels;
 }
 
 void SurfaceRaster::draw(std::span<const SurfaceLayer> layers, const TargetSize& size, double cellPx,
                          SurfaceLook look)
 {
+    const bool same = isSameView(layers, size, cellPx, look);
     m_width = size.width;
     m_height = size.height;
-    const std::size_t pixels = std::size_t(m_width) * std::size_t(m_height);
-    m_colors.resize(pixels);
-    m_depths.assign(pixels, INFINITY);
     if (!layers.empty()) {
         m_perspective = layers[0].projection.perspective;
         m_nearestSlack = kSlackPx / layers[0].pixelsPerUnit;
     }
+    const std::vector<Placed> before = m_placed;
+    const std::vector<std::vector<double>> cellsBefore = m_cells;
     placeAll(layers, cellPx);
+    m_drawn = same ? changedPixels(layers, before, cellsBefore) : Rectangle{0, m_width, 0, m_height};
+    m_layers.assign(layers.begin(), layers.end());
+    m_cellPx = cellPx;
+    m_look = look;
+    const std::size_t pixels = std::size_t(m_width) * std::size_t(m_height);
+    m_colors.resize(pixels);
+    m_depths.resize(pixels);
+    if (m_drawn.empty()) return;
+
+    const int rows = m_drawn.lastRow - m_drawn.firstRow;
     const int wanted = kBandsAThread * tbb::this_task_arena::max_concurrency();
-    const int bandRows = std::max(kLeastBandRows, (m_height + wanted - 1) / wanted);
-    const int bands = (m_height + bandRows - 1) / bandRows;
+    const int bandRows = std::max(kLeastBandRows, (rows + wanted - 1) / wanted);
+    const int bands = (rows + bandRows - 1) / bandRows;
     std::vector<std::vector<std::uint32_t>> inBand(std::size_t(std::max(bands, 0)));
-    for (std::size_t k = 0; k < m_placed.size(); ++k)
-        for (int band = m_placed[k].firstRow / bandRows; band * bandRows < m_placed[k].lastRow; ++band)
+    for (std::size_t k = 0; k < m_placed.size(); ++k) {
+        const Rectangle seen = m_placed[k].pixels.cutTo(m_drawn);
+        if (seen.empty()) continue;
+        for (int band = (seen.firstRow - m_drawn.firstRow) / bandRows;
+             m_drawn.firstRow + band * bandRows < seen.lastRow; ++band)
             inBand[std::size_t(band)].push_back(std::uint32_t(k));
+    }
     tbb::parallel_for(0, bands, [&](int band) {
         std::vector<Node> nodes;
-        const int first = band * bandRows, last = std::min(m_height, first + bandRows);
-        for (const std::uint32_t k : inBand[std::size_t(band)])
-            drawTile(layers, m_placed[k], first, last, look, nodes);
+        Rectangle within = m_drawn;
+        within.firstRow += band * bandRows;
+        within.lastRow = std::min(m_drawn.lastRow, within.firstRow + bandRows);
+        for (int y = within.firstRow; y < within.lastRow; ++y)
+            std::fill_n(m_depths.begin() + std::ptrdiff_t(y) * m_width + within.firstColumn,
+                        within.lastColumn - within.firstColumn, INFINITY);
+        for (const std::uint32_t k : inBand[std::size_t(band)]) drawTile(layers, m_placed[k], within, look, nodes);
     });
 }
 
-void SurfaceRaster::drawTile(std::span<const SurfaceLayer> layers, const Placed& placed, int firstRow, int lastRow,
+void SurfaceRaster::drawTile(std::span<const SurfaceLayer> layers, const Placed& placed, const Rectangle& within,
                              SurfaceLook look, std::vector<Node>& nodes)
 {
     const SurfaceLayer& layer = layers[placed.layer];
@@ -242,26 +336,28 @@ void SurfaceRaster::drawTile(std::span<const SurfaceLayer> layers, const Placed&
             const auto is = [](const Node& n) { return !std::isnan(n.w); };
             // two triangles; where one node lacks, that of the other three
             if (is(a) && is(d)) {
-                if (is(b)) drawTriangle(a, b, d, perspective, firstRow, lastRow);
-                if (is(c)) drawTriangle(a, d, c, perspective, firstRow, lastRow);
+                if (is(b)) drawTriangle(a, b, d, perspective, within);
+                if (is(c)) drawTriangle(a, d, c, perspective, within);
             } else if (is(b) && is(c)) {
-                if (is(a)) drawTriangle(a, b, c, perspective, firstRow, lastRow);
-                if (is(d)) drawTriangle(b, d, c, perspective, firstRow, lastRow);
+                if (is(a)) drawTriangle(a, b, c, perspective, within);
+                if (is(d)) drawTriangle(b, d, c, perspective, within);
             }
         }
 }
 
-void SurfaceRaster::drawTriangle(const Node& a, const Node& b, const Node& c, bool perspective, int firstRow,
-                                 int lastRow)
+void SurfaceRaster::drawTriangle(const Node& a, const Node& b, const Node& c, bool perspective,
+                                 const Rectangle& within)
 {
     const double lowY = std::min({a.y, b.y, c.y}), highY = std::max({a.y, b.y, c.y});
     const double lowX = std::min({a.x, b.x, c.x}), highX = std::max({a.x, b.x, c.x});
-    if (!(highY >= firstRow) || !(lowY <= lastRow) || !(highX >= 0) || !(lowX <= m_width)) return;
+    if (!(highY >= within.firstRow) || !(lowY <= within.lastRow) || !(highX >= within.firstColumn) ||
+        !(lowX <= within.lastColumn))
+        return;
     // pixels whose middle is inside, on an edge, or so little beside it that it could fall between two triangles
-    const int y0 = std::max(firstRow, int(std::ceil(std::max(lowY, -1.0) - 0.5 - kEdgePx)));
-    const int y1 = std::min(lastRow - 1, int(std::floor(std::min(highY, 1e6) - 0.5 + kEdgePx)));
-    const int x0 = std::max(0, int(std::ceil(std::max(lowX, -1.0) - 0.5 - kEdgePx)));
-    const int x1 = std::min(m_width - 1, int(std::floor(std::min(highX, 1e6) - 0.5 + kEdgePx)));
+    const int y0 = std::max(within.firstRow, int(std::ceil(std::max(lowY, -1.0) - 0.5 - kEdgePx)));
+    const int y1 = std::min(within.lastRow - 1, int(std::floor(std::min(highY, 1e6) - 0.5 + kEdgePx)));
+    const int x0 = std::max(within.firstColumn, int(std::ceil(std::max(lowX, -1.0) - 0.5 - kEdgePx)));
+    const int x1 = std::min(within.lastColumn - 1, int(std::floor(std::min(highX, 1e6) - 0.5 + kEdgePx)));
     if (y0 > y1 || x0 > x1) return;
     const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     if (area == 0) return;

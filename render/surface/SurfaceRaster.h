@@ -28,13 +28,23 @@ struct SurfaceLayer {
 };
 
 /// The ground surface as a picture with depths, drawn by the processor for every backend, and put together with the
-/// picture of the points. The same picture in the same view, whatever came before.
+/// picture of the points. The same picture in the same view, whatever came before: where only some tiles have
+/// changed since the last one, the rectangle of the picture that they reach is drawn again, to the same pixels.
 ///
 /// Each tile is drawn by the nodes of its grid, or every second, fourth and so on of them, so that a cell is about
 /// `cellPx` px at most. One thread calls; inside, bands of rows are drawn in parallel.
 class SurfaceRaster
 {
 public:
+    /// Pixels of a picture; the last row and column are not part of it.
+    struct Rectangle {
+        int firstColumn = 0, lastColumn = 0, firstRow = 0, lastRow = 0;
+
+        bool empty() const noexcept { return firstColumn >= lastColumn || firstRow >= lastRow; }
+        void include(const Rectangle& other) noexcept;
+        Rectangle cutTo(const Rectangle& other) const noexcept;
+    };
+
     /// Of a still picture, and while the camera moves.
     static constexpr double kFineCell = 2.0, kCoarseCell = 6.0;  // px
 
@@ -51,6 +61,8 @@ public:
 
     std::span<const float> depths() const noexcept { return m_depths; }  ///< infinity: no surface
     std::span<const Rgba8> colors() const noexcept { return m_colors; }
+    /// What the last draw() has drawn anew.
+    const Rectangle& drawn() const noexcept { return m_drawn; }
 
 private:
     struct Node {
@@ -60,8 +72,8 @@ private:
     };
     struct Placed {
         std::size_t layer = 0, tile = 0;
-        int step = 1;  ///< 0: it is out of sight
-        int firstRow = 0, lastRow = 0;
+        int step = 1;                ///< 0: it is out of sight
+        Rectangle pixels;            ///< none of it is elsewhere
         bool keepsToOthers = false;  ///< a neighbor has larger cells (TileEdges)
     };
 
@@ -69,11 +81,20 @@ private:
     Placed place(const SurfaceLayer& layer, const SurfaceTile& tile, double least, double most,
                  double cellPx) const;
     void placeAll(std::span<const SurfaceLayer> layers, double cellPx);
-    void drawTile(std::span<const SurfaceLayer> layers, const Placed& placed, int firstRow, int lastRow,
+    /// Whether the picture is that of the last draw(), but for tiles that were replaced.
+    bool isSameView(std::span<const SurfaceLayer> layers, const TargetSize& size, double cellPx,
+                    SurfaceLook look) const noexcept;
+    Rectangle changedPixels(std::span<const SurfaceLayer> layers, const std::vector<Placed>& before,
+                            const std::vector<std::vector<double>>& cellsBefore) const;
+    void drawTile(std::span<const SurfaceLayer> layers, const Placed& placed, const Rectangle& within,
                   SurfaceLook look, std::vector<Node>& nodes);
-    void drawTriangle(const Node& a, const Node& b, const Node& c, bool perspective, int firstRow, int lastRow);
+    void drawTriangle(const Node& a, const Node& b, const Node& c, bool perspective, const Rectangle& within);
 
     int m_width = 0, m_height = 0;
+    std::vector<SurfaceLayer> m_layers;  ///< as they were drawn last
+    double m_cellPx = 0;
+    SurfaceLook m_look = SurfaceLook::None;
+    Rectangle m_drawn;
     std::vector<Rgba8> m_colors;
     std::vector<float> m_depths;
     std::vector<Placed> m_placed;              ///< the tiles in sight

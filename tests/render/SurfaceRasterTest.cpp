@@ -5,6 +5,7 @@
 #include "tests/render/RenderedView.h"
 
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 
 #include <QTest>
 
@@ -105,6 +106,9 @@ class SurfaceRasterTest : public QObject
 private slots:
     void hasNoCracks_data();
     void hasNoCracks();
+    void drawsAgainWhatChanged_data();
+    void drawsAgainWhatChanged();
+    void lessWasDrawn();
     void depthsAreThoseOfRays_data();
     void depthsAreThoseOfRays();
     void convergesToBruteForce_data();
@@ -117,6 +121,7 @@ private slots:
 private:
     std::shared_ptr<PointStore> m_steep;  ///< for hasNoCracks()
     std::shared_ptr<const SurfaceView> m_steepView;
+    std::int64_t m_changed = 0, m_drawn = 0, m_pixels = 0;  ///< by drawsAgainWhatChanged()
 };
 
 void SurfaceRasterTest::hasNoCracks_data()
@@ -159,6 +164,84 @@ void SurfaceRasterTest::hasNoCracks()
     const auto cracks = std::count_if(raster.depths().begin(), raster.depths().end(),
                                       [](float depth) { return std::isinf(depth); });
     QCOMPARE(cracks, 0);
+}
+
+void SurfaceRasterTest::drawsAgainWhatChanged_data()
+{
+    QTest::addColumn<bool>("orthographic");
+    QTest::addColumn<double>("pitch");
+    QTest::addColumn<double>("distance");
+    QTest::addColumn<double>("cellPx");
+    for (const double cellPx : {SurfaceRaster::kFineCell, 40.0})
+        for (const double distance : {45.0, 110.0})
+            for (const bool orthographic : {false, true})
+                QTest::addRow("cells of %g px, from %g m%s", cellPx, distance, orthographic ? ", orthographic" : "")
+                    << orthographic << (cellPx < 3 ? -1.57 : -1.05) << distance << cellPx;
+}
+
+/// After edits of classes here and there, what is drawn of a part of the picture is what is drawn of all of it,
+/// pixel by pixel.
+void SurfaceRasterTest::drawsAgainWhatChanged()
+{
+    QFETCH(bool, orthographic);
+    QFETCH(double, pitch);
+    QFETCH(double, distance);
+    QFETCH(double, cellPx);
+    const auto cloud = denserToTheMiddle();
+    const auto store = filledStore(cloud);
+    Progress progress;
+    Surface surface(cloud, {}, progress);
+    Camera camera = cameraFor(*cloud, kWidth, kHeight);
+    camera.orthographic = orthographic;
+    camera.pitch = pitch;
+    camera.pivot = {3, -2, 0};
+    camera.eye = camera.pivot - camera.forward() * distance;
+    const double focal = kHeight / 2.0 / std::tan(camera.fovY / 2);
+    SurfaceLayer layer{surface.view(), makeProjection(camera, *store, TargetSize{kWidth, kHeight, 1}),
+                       store->frame(), LayerClip{}, orthographic ? focal / camera.pivotDepth() : focal};
+    const auto classes = cloud->findAttribute("Classification")->columns[0]->values<std::uint8_t>();
+    SurfaceRaster again;
+    again.draw(std::span(&layer, 1), TargetSize{kWidth, kHeight, 1}, cellPx, SurfaceLook::Heights);
+    std::int64_t drawn = 0, changed = 0;
+    constexpr int kEdits = 10;
+    for (int edit = 0; edit < kEdits; ++edit) {
+        // where tiles meet, and those with smaller cells keep to the others
+        const RawRect& box = layer.view->tiles[hash(std::uint64_t(edit)) % layer.view->tiles.size()]->box;
+        const glm::dvec3 middle = cloud->coordinates().toWorld(glm::dvec3(box.minX, box.minY, 0.0));
+        const double radius = 0.2 * (edit + 1);
+        PointSet points(cloud->size());
+        for (PointIndex i = 0; i < cloud->size(); ++i) {
+            if (glm::distance(glm::dvec2(cloud->world(i)), glm::dvec2(middle)) > radius) continue;
+            points.insert(i);
+            classes[i] = classes[i] == 2 ? 1 : 2;
+        }
+        (void)surface.update(&points, progress);
+        layer.view = surface.view();
+        const std::vector<Rgba8> before(again.colors().begin(), again.colors().end());
+        again.draw(std::span(&layer, 1), TargetSize{kWidth, kHeight, 1}, cellPx, SurfaceLook::Heights);
+        SurfaceRaster whole;
+        whole.draw(std::span(&layer, 1), TargetSize{kWidth, kHeight, 1}, cellPx, SurfaceLook::Heights);
+        int wrong = 0;
+        for (std::size_t p = 0; p < whole.depths().size(); ++p) {
+            const bool is = !std::isinf(whole.depths()[p]);
+            wrong += int(again.depths()[p] != whole.depths()[p] || (is && again.colors()[p] != whole.colors()[p]));
+            changed += std::int64_t(is && before[p] != whole.colors()[p]);
+        }
+        QCOMPARE(wrong, 0);
+        if (!again.drawn().empty())
+            drawn += std::int64_t(again.drawn().lastColumn - again.drawn().firstColumn) *
+                     (again.drawn().lastRow - again.drawn().firstRow);
+    }
+    m_changed += changed;
+    m_drawn += drawn;
+    m_pixels += std::int64_t(kEdits) * kWidth * kHeight;
+}
+
+void SurfaceRasterTest::lessWasDrawn()
+{
+    if (m_pixels == 0) QSKIP("No edits were drawn.");
+    QVERIFY(m_changed > 10000);
+    QVERIFY2(m_drawn < m_pixels / 2, qPrintable(QString("%1 of %2 px").arg(m_drawn).arg(m_pixels)));
 }
 
 void SurfaceRasterTest::depthsAreThoseOfRays_data()

@@ -4,10 +4,12 @@
 #include "core/task/Progress.h"
 #include "render/progressive/ProgressiveRenderer.h"
 #include "ui/basic/Text.h"
+#include "ui/document/Document.h"
 #include "ui/document/Workspace.h"
 #include "ui/view/ViewFilter.h"
 #include "ui/view/ViewSettings.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace punctum::ui
@@ -138,6 +140,9 @@ QString ShownState::text() const
 QString ShownCount::progressText(const render::FrameReport& report) const
 {
     if (!report.converged) return tr("%1 % drawn").arg(int(std::floor(report.share * 100.0)));
+    const auto& documents = m_workspace.documents();
+    if (std::any_of(documents.begin(), documents.end(), [](const auto& d) { return d->loading(); }))
+        return tr("All points read so far are drawn");
     if (!m_state.some()) return tr("All points drawn");
     if (!m_state.known) return tr("All shown points drawn");
     return m_state.shown == 0 ? tr("No point is shown")
