@@ -127,8 +127,10 @@ SurfaceRaster::Placed SurfaceRaster::place(const SurfaceLayer& layer, const Surf
                         (perspective ? std::max(low.depth, side / SurfaceTile::kCells) : 1.0);
     placed.step = 1;
     while (placed.step < SurfaceTile::kCells && cell * placed.step * 2 <= cellPx) placed.step *= 2;
-    const auto first = [](double px) { return std::max(0, int(std::floor(std::max(px, -1.0))) - 1); };
-    const auto last = [](double px, int size) { return std::min(size, int(std::ceil(std::min(px, 1e6))) + 1); };
+    // far beyond what an int holds, just before the eye
+    const auto whole = [](double px) { return std::clamp(px, -1e6, 1e6); };
+    const auto first = [&](double px) { return std::max(0, int(std::floor(whole(px))) - 1); };
+    const auto last = [&](double px, int size) { return std::clamp(int(std::ceil(whole(px))) + 1, 0, size); };
     placed.pixels = {first(low.x), last(high.x, m_width), first(low.y), last(high.y, m_height)};
     return placed;
 }
@@ -247,17 +249,16 @@ void SurfaceRaster::draw(std::span<const SurfaceLayer> layers, const TargetSize&
     }
     const std::vector<Placed> before = m_placed;
     const std::vector<std::vector<double>> cellsBefore = m_cells;
+    m_cellPx = NAN;  // the same view as none until all is drawn
     placeAll(layers, cellPx);
     m_drawn = same ? changedPixels(layers, before, cellsBefore) : Rectangle{0, m_width, 0, m_height};
     m_layers.assign(layers.begin(), layers.end());
-    m_cellPx = cellPx;
     m_look = look;
     const std::size_t pixels = std::size_t(m_width) * std::size_t(m_height);
     m_colors.resize(pixels);
     m_depths.resize(pixels);
-    if (m_drawn.empty()) return;
 
-    const int rows = m_drawn.lastRow - m_drawn.firstRow;
+    const int rows = m_drawn.empty() ? 0 : m_drawn.lastRow - m_drawn.firstRow;
     const int wanted = kBandsAThread * tbb::this_task_arena::max_concurrency();
     const int bandRows = std::max(kLeastBandRows, (rows + wanted - 1) / wanted);
     const int bands = (rows + bandRows - 1) / bandRows;
@@ -279,6 +280,7 @@ void SurfaceRaster::draw(std::span<const SurfaceLayer> layers, const TargetSize&
                         within.lastColumn - within.firstColumn, INFINITY);
         for (const std::uint32_t k : inBand[std::size_t(band)]) drawTile(layers, m_placed[k], within, look, nodes);
     });
+    m_cellPx = cellPx;
 }
 
 void SurfaceRaster::drawTile(std::span<const SurfaceLayer> layers, const Placed& placed, const Rectangle& within,
