@@ -16,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 namespace punctum::render
 {
@@ -247,8 +248,8 @@ void SurfaceRaster::draw(std::span<const SurfaceLayer> layers, const TargetSize&
         m_perspective = layers[0].projection.perspective;
         m_nearestSlack = kSlackPx / layers[0].pixelsPerUnit;
     }
-    const std::vector<Placed> before = m_placed;
-    const std::vector<std::vector<double>> cellsBefore = m_cells;
+    const std::vector<Placed> before = std::exchange(m_placed, {});
+    const std::vector<std::vector<double>> cellsBefore = std::exchange(m_cells, {});
     m_cellPx = NAN;  // the same view as none until all is drawn
     placeAll(layers, cellPx);
     m_drawn = same ? changedPixels(layers, before, cellsBefore) : Rectangle{0, m_width, 0, m_height};
