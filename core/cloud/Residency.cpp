@@ -29,10 +29,11 @@ namespace
 {
 
 constexpr std::size_t kHugePage = std::size_t(2) << 20;
-constexpr std::size_t kSmall = std::size_t(1) << 20;       ///< less than this is not worth a file
-constexpr std::size_t kStride = std::size_t(8) << 20;      ///< let go of at once
-constexpr std::size_t kLookAgain = std::size_t(64) << 20;  ///< of strides between two looks at what is resident
-constexpr auto kPause = std::chrono::milliseconds(10);     ///< a fast machine touches some 50 MB meanwhile
+constexpr std::size_t kSmall = std::size_t(1) << 20;        ///< less than this is not worth a file
+constexpr std::size_t kStride = std::size_t(8) << 20;       ///< let go of at once
+constexpr std::size_t kLookAgain = std::size_t(64) << 20;   ///< of strides between two looks at what is resident
+constexpr std::uint64_t kMostPut = std::uint64_t(8) << 20;  ///< bytes between two looks of those who fill
+constexpr auto kPause = std::chrono::milliseconds(10);      ///< a fast machine touches some 50 MB meanwhile
 
 std::uint64_t share(std::uint64_t budget, BufferUse use)
 {
@@ -145,6 +146,7 @@ BufferPlace Residency::takeFile(std::size_t bytes, BufferUse use)
     if (m_mapped.empty()) m_others = residentOfFiles();
     m_mapped[static_cast<std::byte*>(at)] = {bytes, file};
     m_inFiles += bytes;
+    m_files = true;
     if (!m_keeper.joinable()) m_keeper = std::jthread([this](const std::stop_token& stop) { keepTo(stop); });
     return {static_cast<std::byte*>(at), bytes, use, true};
 }
@@ -160,6 +162,7 @@ void Residency::giveBack(const BufferPlace& place) noexcept
             ::close(mapped->second.file);
             m_mapped.erase(mapped);
             m_inFiles -= place.bytes;
+            m_files = !m_mapped.empty();
             if (m_mapped.empty()) ended = std::move(m_keeper);
         } else {
             m_inMemory -= place.bytes;
@@ -197,6 +200,14 @@ std::uint64_t Residency::fileShare() const
 {
     const std::uint64_t budget = memoryBudget();
     return std::max(budget / 8, budget - std::min(budget, m_inMemory));
+}
+
+void Residency::keepUp(std::uint64_t bytes)
+{
+    if (!m_files || m_put.fetch_add(bytes) + bytes < kMostPut) return;
+    m_put = 0;
+    const std::lock_guard lock(m_mutex);
+    if (m_files) letGo();
 }
 
 void Residency::keepTo(const std::stop_token& stop)

@@ -3,6 +3,7 @@
 
 #include "core/cloud/Buffer.h"
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
@@ -19,7 +20,8 @@ namespace punctum
 /// without a name, which is mapped: to whoever reads or writes it, from any thread, with a lock or without, it is
 /// memory like any other. A thread of its own looks at how much of the files is resident, and lets go of pages, in
 /// turn, until it fits into what the budget leaves (an eighth at least): the file keeps their values, and they come
-/// back when they are touched. So nothing that works on columns has to know how large a cloud may be.
+/// back when they are touched. So nothing that works on columns has to know how large a cloud may be. Only whoever
+/// fills them from nothing, faster than that thread can follow, does its work in between: keepUp().
 ///
 /// The disk's room is taken when an array is made, so that a full disk is an Error then and not a crash later.
 /// Any thread.
@@ -34,6 +36,10 @@ public:
     /// Zeros. `bytes`: whole pages. Throws Error where neither memory nor disk have room.
     BufferPlace take(std::size_t bytes, BufferUse use);
     void giveBack(const BufferPlace& place) noexcept;
+
+    /// Has been told of so many bytes that were put into arrays; now and then it lets go of pages before it
+    /// returns, if too many are resident. Next to nothing where all arrays are memory for good.
+    void keepUp(std::uint64_t bytes);
 
     std::uint64_t inMemory() const;  ///< bytes of all arrays that are counted and are memory for good
     std::uint64_t inFiles() const;   ///< bytes of those that lie in files
@@ -64,6 +70,8 @@ private:
     std::uint64_t m_others = 0;             ///< resident pages of files that are not ours: the program itself
     std::map<std::byte*, Mapped> m_mapped;  ///< by address
     std::byte* m_hand = nullptr;            ///< where letting go goes on
+    std::atomic<bool> m_files = false;      ///< there are some
+    std::atomic<std::uint64_t> m_put = 0;   ///< bytes that keepUp() was told of since it last looked
     std::jthread m_keeper;                  ///< while there are files
 };
 

@@ -39,8 +39,14 @@ class Finder
 {
 public:
     Finder(const File& file, std::uint64_t begin, std::uint64_t end, const LazInfo& info,
-           std::span<const std::uint64_t> counts)
-        : m_file(file), m_probe(file, info), m_begin(begin), m_end(end), m_info(info), m_counts(counts)
+           std::span<const std::uint64_t> counts, OnlyChunk only)
+        : m_file(file),
+          m_probe(file, info),
+          m_begin(begin),
+          m_end(end),
+          m_info(info),
+          m_counts(counts),
+          m_only(only)
     {
     }
 
@@ -168,6 +174,7 @@ private:
             last.count = n - before;
             const bool few = chunks.size() == 1;
             if (!few && similarDensity(chunks)) return true;
+            if (few && m_only == OnlyChunk::Believe) return m_list.unproved = true;
             if (m_probe.endsExactly(last)) return true;
         }
         return countByDecoding() || keepStated(last);
@@ -362,6 +369,7 @@ private:
     std::uint64_t m_end;
     const LazInfo& m_info;
     std::span<const std::uint64_t> m_counts;
+    OnlyChunk m_only;
     std::optional<std::uint64_t> m_tableAt;  ///< where the header's pointer says, if that can be
     ChunkList m_list;
 };
@@ -410,9 +418,9 @@ std::optional<std::vector<ChunkEntry>> decodeChunkTable(std::span<const std::byt
 }
 
 ChunkList findChunks(const File& file, std::uint64_t begin, std::uint64_t end, const LazInfo& info,
-                     std::span<const std::uint64_t> counts)
+                     std::span<const std::uint64_t> counts, OnlyChunk only)
 {
-    return Finder(file, begin, end, info, counts).find();
+    return Finder(file, begin, end, info, counts, only).find();
 }
 
 }  // namespace punctum::las

@@ -44,6 +44,14 @@ struct ChunkList {
     PointIndex points = 0;
     std::vector<std::string> warnings;
     std::vector<std::string> losses;  ///< those of the warnings that tell of points that are not there
+    bool unproved = false;            ///< there is one chunk, and its count is the header's, not looked at
+};
+
+/// What is done about the count of a chunk that is the only one of its file, does not say how many points it has,
+/// and so tells only when all of it is decoded.
+enum class OnlyChunk {
+    Prove,   ///< it is decoded
+    Believe  ///< the header is believed, until the points are read
 };
 
 /// Finds the chunks of the compressed points between `begin` (the header's point offset) and `end` (first EVLR or
@@ -51,6 +59,6 @@ struct ChunkList {
 /// A table that is missing or wrong is rebuilt: layered chunks by walking from one to the next, others of fixed
 /// size by decoding. Throws Error when that cannot be done.
 ChunkList findChunks(const File& file, std::uint64_t begin, std::uint64_t end, const LazInfo& info,
-                     std::span<const std::uint64_t> counts);
+                     std::span<const std::uint64_t> counts, OnlyChunk only = OnlyChunk::Prove);
 
 }  // namespace punctum::las

@@ -216,27 +216,51 @@ bool readGeoTiff(PJ_CONTEXT* context, const GeoKeys& keys, CrsInfo& info)
     return !info.text.empty() || units.kind != Kind::Unknown;
 }
 
-}  // namespace
+/// All of a file that tells of its coordinate system.
+struct CrsRecords {
+    const Vlr* wkt;
+    const Vlr* keys;
+    const Vlr* ascii;    ///< of the keys
+    const Vlr* doubles;  ///< likewise
+    bool wktFirst;
 
-CrsInfo readCrs(const SourceFile& source)
+    explicit CrsRecords(const SourceFile& source)
+        : wkt(source.findVlr(geo::kUser, geo::kWktId)),
+          keys(source.findVlr(geo::kUser, geo::kKeysId)),
+          ascii(source.findVlr(geo::kUser, geo::kAsciiId)),
+          doubles(source.findVlr(geo::kUser, geo::kDoublesId)),
+          wktFirst(source.header.says(encoding::kWkt) || isExtendedFormat(source.layout.shownFormat()))
+    {
+        if (wkt == nullptr) wkt = source.findVlr("liblas", geo::kWktId);
+    }
+
+    /// Equal where all that is read is equal.
+    std::string key() const
+    {
+        std::string text(1, wktFirst ? 'w' : 'k');
+        for (const Vlr* record : {wkt, keys, ascii, doubles}) {
+            text += record == nullptr ? "-" : std::to_string(record->data.size()) + ":";
+            if (record != nullptr)
+                text.append(reinterpret_cast<const char*>(record->data.data()), record->data.size());
+        }
+        return text;
+    }
+};
+
+CrsInfo readRecords(const CrsRecords& records)
 {
-    const Vlr* wkt = source.findVlr(geo::kUser, geo::kWktId);
-    if (wkt == nullptr) wkt = source.findVlr("liblas", geo::kWktId);
-    const Vlr* const keysRecord = source.findVlr(geo::kUser, geo::kKeysId);
-    const bool wktFirst = source.header.says(encoding::kWkt) || isExtendedFormat(source.layout.shownFormat());
+    const auto& [wkt, keysRecord, ascii, doubles, wktFirst] = records;
     CrsInfo info;
     if (wkt == nullptr && keysRecord == nullptr) return info;
     const proj::Context plain = proj::makeContext(proj::Database::Unused), context = proj::makeContext();
     if (!plain || !context) return info;
 
     std::optional<GeoKeys> keys;
-    if (keysRecord != nullptr)
-        keys.emplace(*keysRecord, source.findVlr(geo::kUser, geo::kAsciiId),
-                     source.findVlr(geo::kUser, geo::kDoublesId));
+    if (keysRecord != nullptr) keys.emplace(*keysRecord, ascii, doubles);
     std::string reason;
-    const auto tryWkt = [&] {
-        return wkt != nullptr &&
-               (readWkt(plain.get(), *wkt, info, reason) || readWkt(context.get(), *wkt, info, reason));
+    const auto tryWkt = [&, record = wkt] {
+        return record != nullptr &&
+               (readWkt(plain.get(), *record, info, reason) || readWkt(context.get(), *record, info, reason));
     };
     const auto tryKeys = [&] { return keys && readGeoTiff(context.get(), *keys, info); };
     if (!(wktFirst ? tryWkt() || tryKeys() : tryKeys() || tryWkt())) {
@@ -252,6 +276,26 @@ CrsInfo readCrs(const SourceFile& source)
     }
     assumeVertical(info.units);
     return info;
+}
+
+}  // namespace
+
+CrsInfo readCrs(const SourceFile& source)
+{
+    return readRecords(CrsRecords(source));
+}
+
+CrsInfo KnownCrs::of(const SourceFile& source)
+{
+    const CrsRecords records(source);
+    const std::string key = records.key();
+    {
+        const std::lock_guard lock(m_mutex);
+        if (const auto known = m_known.find(key); known != m_known.end()) return known->second;
+    }
+    CrsInfo info = readRecords(records);
+    const std::lock_guard lock(m_mutex);
+    return m_known.emplace(key, std::move(info)).first->second;
 }
 
 CoordinateUnits likelyUnits(const CoordinateUnits& stated, const CoordinateScale& coordinates,

@@ -3,6 +3,8 @@
 
 #include "core/cloud/Units.h"
 
+#include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -28,6 +30,18 @@ struct CrsInfo {
 /// falls back to the other (LAS 1.4 R15, 2.2 and 3.2). WKT is read, and codes are looked up, by the PROJ library.
 /// Never throws for what a file holds: garbage is "unknown".
 CrsInfo readCrs(const SourceFile& source);
+
+/// The same for many files, of which most have the same records: PROJ takes milliseconds to look a code up. Any
+/// thread.
+class KnownCrs
+{
+public:
+    CrsInfo of(const SourceFile& source);
+
+private:
+    std::mutex m_mutex;
+    std::map<std::string, CrsInfo> m_known;  ///< by all that readCrs() looks at; guarded by m_mutex
+};
 
 /// Holds the units against the points' box, which decides: where no system is stated, and X and Y look like
 /// degrees, they are taken as such; a system that is geocentric by the file's word, with points far from the

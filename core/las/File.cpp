@@ -48,7 +48,21 @@ File::File(const std::filesystem::path& path) : m_path(path)
 
 File::~File()
 {
-    if (m_descriptor >= 0) ::close(m_descriptor);
+    close();
+}
+
+void File::close() noexcept
+{
+    if (m_descriptor >= 0) ::close(std::exchange(m_descriptor, -1));
+}
+
+void File::reopen()
+{
+    if (m_descriptor >= 0) return;
+    File again(m_path);
+    if (again.m_stamp != m_stamp)
+        throw Error(m_path, "The file was changed by another program while it was being opened.");
+    m_descriptor = std::exchange(again.m_descriptor, -1);
 }
 
 File::File(File&& other) noexcept

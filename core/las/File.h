@@ -48,6 +48,11 @@ public:
     /// Throws Error when somebody changed the file's size or its time since it was opened.
     void checkUnchanged() const;
 
+    /// Gives the system's handle back, of which there are few; nothing can be read until reopen(). One thread.
+    void close() noexcept;
+    /// Opens the file again, if it is closed. Throws Error when it is not there, or not the same any more.
+    void reopen();
+
 private:
     std::filesystem::path m_path;
     int m_descriptor = -1;

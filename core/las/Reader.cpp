@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "core/Text.h"
 #include "core/cloud/BlockBoxes.h"
+#include "core/cloud/Residency.h"
 #include "core/las/ChunkProbe.h"
 #include "core/las/Compatible.h"
 #include "core/las/ExtraBytesRange.h"
@@ -54,7 +55,7 @@ struct Shared {
     Progress& progress;
     const Receiver& receiver;
     std::mutex mutex;
-    std::vector<std::pair<PointRange, std::string>> missing;
+    std::vector<std::pair<PointRange, std::string>> missing;  ///< with a sentence
 
     /// Where, from `first` on, the points begin that were not known before.
     PointIndex knownUntil(PointIndex first) const
@@ -75,10 +76,16 @@ struct Shared {
     {
         receiver.arrived(range, std::clamp(fresh, range.first, range.last));
     }
-    void miss(PointRange range, const std::string& why)
+    void miss(PointRange range, std::string sentence)
     {
         const std::lock_guard lock(mutex);
-        missing.emplace_back(range, why);
+        missing.emplace_back(range, std::move(sentence));
+    }
+    /// The points of a chunk that is damaged.
+    void lose(PointRange range, const std::string& why)
+    {
+        miss(range, "The points " + grouped(range.first) + " to " + grouped(range.last - 1) +
+                        " are damaged and could not be read (" + why + ").");
     }
     /// In the order of the file, the first ones with a sentence each.
     ReadResult finish()
@@ -87,11 +94,10 @@ struct Shared {
                   [](const auto& a, const auto& b) { return a.first.first < b.first.first; });
         ReadResult result;
         std::uint64_t untold = 0;
-        for (const auto& [range, why] : missing) {
+        for (const auto& [range, sentence] : missing) {
             result.missing.push_back(range);
             if (result.warnings.size() < kMostWarnings)
-                result.warnings.push_back("The points " + grouped(range.first) + " to " + grouped(range.last - 1) +
-                                          " are damaged and could not be read (" + why + ").");
+                result.warnings.push_back(sentence);
             else
                 untold += range.size();
         }
@@ -115,10 +121,20 @@ struct Reader::Impl {
         std::vector<std::byte> data, records;
         std::unique_ptr<PointDecoder> decoder;
     };
+    /// Where a chunk turned out not to hold what it should.
+    struct Trouble {
+        std::string why;
+        PointIndex arrived = 0;    ///< first point that has not arrived
+        PointIndex given = 0;      ///< first point that was not given, or known
+        std::uint64_t undone = 0;  ///< points that the progress has not counted
+    };
     void visitChunk(const Chunk& chunk, ChunkWorker& worker, Shared& shared) const;
+    std::optional<Trouble> tryChunk(const Chunk& chunk, ChunkWorker& worker, Shared& shared) const;
+    static void lose(const Chunk& chunk, const Trouble& trouble, Shared& shared);
+    bool recount(const Chunk& chunk, const Trouble& trouble, ChunkWorker& worker, Shared& shared) const;
     void visitStream(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const;
-    void decode(PointDecoder& decoder, const Chunk& chunk, const std::function<bool()>& whole,
-                std::vector<std::byte>& scratch, Shared& shared) const;
+    std::optional<Trouble> decode(PointDecoder& decoder, const Chunk& chunk, const std::function<bool()>& whole,
+                                  std::vector<std::byte>& scratch, Shared& shared) const;
     ReadResult visit(Progress& progress, const Receiver& receiver) const;
     PointRange readPiece(std::uint64_t piece, std::uint64_t points, ChunkWorker& worker) const;
     bool firstsOfChunk(const Chunk& chunk, std::uint64_t points, ChunkWorker& worker) const;
@@ -139,10 +155,16 @@ std::unique_ptr<Reader> Reader::open(const std::filesystem::path& path)
 
 std::unique_ptr<Reader> Reader::open(const std::filesystem::path& path, FolderLeftovers* leftovers)
 {
+    return open(path, leftovers, ParseOptions());
+}
+
+std::unique_ptr<Reader> Reader::open(const std::filesystem::path& path, FolderLeftovers* leftovers,
+                                     const ParseOptions& options)
+{
     File file(path);
     ParsedFile parsed;
     try {
-        parsed = parseFile(file);
+        parsed = parseFile(file, options);
     } catch (const Error& e) {
         if (!e.file().empty()) throw;
         throw Error(path, e.what());
@@ -152,6 +174,16 @@ std::unique_ptr<Reader> Reader::open(const std::filesystem::path& path, FolderLe
         for (std::string& sentence : leftovers->of(path)) source->warnings.push_back(std::move(sentence));
     auto impl = std::make_unique<Impl>(Impl{std::move(file), std::move(parsed)});
     return std::unique_ptr<Reader>(new Reader(std::move(impl), std::move(source)));
+}
+
+void Reader::close() noexcept
+{
+    m_impl->file.close();
+}
+
+void Reader::reopen()
+{
+    m_impl->file.reopen();
 }
 
 std::shared_ptr<PointCloud> Reader::createCloud() const
@@ -205,8 +237,8 @@ void Reader::Impl::visitBlock(PointRange block, std::vector<std::byte>& scratch,
 /// cannot be. Where the chunk's end tells whether it is sound, none of its points have arrived before all are
 /// decoded: bytes that are not what was written give points that never were, long before a decoder fails. So all
 /// are missing then; of others those of the batch that fails, and all later ones.
-void Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, const std::function<bool()>& whole,
-                          std::vector<std::byte>& scratch, Shared& shared) const
+auto Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, const std::function<bool()>& whole,
+                          std::vector<std::byte>& scratch, Shared& shared) const -> std::optional<Trouble>
 {
     const std::uint64_t length = parsed.source->layout.length;
     const std::uint64_t step = std::clamp<std::uint64_t>(kDecodeBytes / length, 1, kDecodeStep);
@@ -240,30 +272,54 @@ void Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, const std::
             else if (!whole())
                 trouble = "it has zeros in place of its bytes";
         }
-        if (!trouble.empty()) {
-            shared.receiver.withdrawn({chunk.first + arrived, std::max(first + given, fresh)});
-            shared.miss({chunk.first + arrived, chunk.first + chunk.count}, trouble);
-            shared.progress.add(chunk.count - done);
-            return;
-        }
+        if (!trouble.empty())
+            return Trouble{trouble, chunk.first + arrived, std::max(first + given, fresh), chunk.count - done};
         done += batch;
         if (!whole || done == chunk.count) arrive(done);
         shared.progress.add(batch);
     }
+    return {};
+}
+
+/// Points of a damaged chunk are taken back, and missing.
+void Reader::Impl::lose(const Chunk& chunk, const Trouble& trouble, Shared& shared)
+{
+    shared.receiver.withdrawn({trouble.arrived, trouble.given});
+    shared.lose({trouble.arrived, chunk.first + chunk.count}, trouble.why);
+    shared.progress.add(trouble.undone);
 }
 
 void Reader::Impl::visitChunk(const Chunk& chunk, ChunkWorker& worker, Shared& shared) const
+{
+    const std::optional<Trouble> trouble = tryChunk(chunk, worker, shared);
+    if (!trouble || (parsed.unproved && recount(chunk, *trouble, worker, shared))) return;
+    lose(chunk, *trouble, shared);
+}
+
+/// Where the file's only chunk is sound but for the number of its points, which nobody has proved: gives those that
+/// are there. False where it is damaged.
+bool Reader::Impl::recount(const Chunk& chunk, const Trouble& trouble, ChunkWorker& worker, Shared& shared) const
+{
+    const std::uint64_t found = ChunkProbe(file, parsed.laz).pointsUntilEnd(chunk);
+    if (found == 0 || found == chunk.count) return false;
+    const std::string sentence =
+        "The header says " + grouped(chunk.count) + " points, the file holds " + grouped(found);
+    shared.receiver.withdrawn({std::min(found, trouble.given), trouble.given});
+    if (found > chunk.count) throw Error(file.path(), sentence + "; open it by itself to see them.");
+    Chunk there = chunk;
+    there.count = found;
+    if (tryChunk(there, worker, shared)) return false;
+    shared.miss({found, chunk.count}, sentence + ".");
+    return true;
+}
+
+auto Reader::Impl::tryChunk(const Chunk& chunk, ChunkWorker& worker, Shared& shared) const -> std::optional<Trouble>
 {
     worker.data.resize(std::size_t(chunk.bytes));
     file.readAt(chunk.offset, worker.data);
     if (parsed.laz.compressor == LazInfo::Layered) {
         const std::string why = checkLayeredChunk(worker.data, parsed.laz, std::uint32_t(chunk.count));
-        if (!why.empty()) {
-            shared.receiver.withdrawn({chunk.first, shared.knownUntil(chunk.first)});
-            shared.miss({chunk.first, chunk.first + chunk.count}, why);
-            shared.progress.add(chunk.count);
-            return;
-        }
+        if (!why.empty()) return Trouble{why, chunk.first, shared.knownUntil(chunk.first), chunk.count};
     }
     if (worker.decoder)
         worker.decoder->restart(worker.data);
@@ -273,14 +329,16 @@ void Reader::Impl::visitChunk(const Chunk& chunk, ChunkWorker& worker, Shared& s
         return worker.decoder->own() == nullptr ||
                wholeChunk(parsed.laz, worker.data, chunk.count, *worker.decoder);
     };
-    decode(*worker.decoder, chunk, chunk.cut ? std::function<bool()>() : whole, worker.records, shared);
-    if (!worker.decoder->reusable()) worker.decoder.reset();
+    auto trouble =
+        decode(*worker.decoder, chunk, chunk.cut ? std::function<bool()>() : whole, worker.records, shared);
+    if (trouble || !worker.decoder->reusable()) worker.decoder.reset();
+    return trouble;
 }
 
 void Reader::Impl::visitStream(const Chunk& chunk, std::vector<std::byte>& scratch, Shared& shared) const
 {
     PointDecoder decoder(parsed.laz, file, chunk.offset, chunk.bytes, chunk.count);
-    decode(decoder, chunk, {}, scratch, shared);
+    if (const auto trouble = decode(decoder, chunk, {}, scratch, shared)) lose(chunk, *trouble, shared);
 }
 
 ReadResult Reader::Impl::visit(Progress& progress, const Receiver& receiver) const
@@ -448,6 +506,7 @@ ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& 
         const auto* returns = reinterpret_cast<const std::uint8_t*>(cloud.columns()[returnsField]->data());
         seen.local().include(include(range), returns + range.first, std::size_t(range.size()), returnMask);
         if (sink && fresh < range.last) sink({fresh, range.last});
+        Residency::instance().keepUp(range.size() * layout.length);
     };
     receiver.withdrawn = [&](PointRange range) {
         for (std::size_t k = 0; k < all; ++k) {

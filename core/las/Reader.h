@@ -24,6 +24,7 @@ struct ReadResult {
 };
 
 class FolderLeftovers;
+struct ParseOptions;
 
 /// Reads one LAS or LAZ file.
 ///
@@ -33,8 +34,8 @@ class FolderLeftovers;
 ///     reader->read(*cloud, progress, [&](PointRange r) { store.fill(r); });
 ///
 /// Every size, count and offset in the file is checked before it is used; whatever the file holds, the result is
-/// an Error, a warning or points. The file is opened once and read by pread, so that a file that shrinks
-/// meanwhile is an Error and not a crash. Destroying the reader closes the file.
+/// an Error, a warning or points. The file is read by pread, so that a file that shrinks meanwhile is an Error and
+/// not a crash. Destroying the reader closes the file.
 class Reader
 {
 public:
@@ -44,11 +45,20 @@ public:
     /// Likewise, for many files: what killed saves left beside the file is looked for by `leftovers`, once a
     /// folder; null: not at all.
     static std::unique_ptr<Reader> open(const std::filesystem::path& path, FolderLeftovers* leftovers);
+    /// Likewise. Where the options let it believe a header's count, read() tells where that was wrong: points that
+    /// are not there are missing then, and a file that holds more than it says is an Error.
+    static std::unique_ptr<Reader> open(const std::filesystem::path& path, FolderLeftovers* leftovers,
+                                        const ParseOptions& options);
     ~Reader();
     Reader(const Reader&) = delete;
     Reader& operator=(const Reader&) = delete;
 
     const std::shared_ptr<const SourceFile>& source() const noexcept { return m_source; }
+
+    /// Closes the file, and opens it again to go on: of thousands, the system keeps only some open. One thread.
+    /// Reopening throws Error when the file is not there, or not the same any more.
+    void close() noexcept;
+    void reopen();
 
     /// A cloud with the file's columns and attributes, all points unread. Throws Error (memory).
     std::shared_ptr<PointCloud> createCloud() const;

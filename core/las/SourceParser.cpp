@@ -38,7 +38,10 @@ constexpr std::uint64_t kMostZeros = 16 << 20;
 class Parser
 {
 public:
-    explicit Parser(const File& file) : m_file(file), m_source(std::make_shared<SourceFile>()), m_s(*m_source) {}
+    Parser(const File& file, const ParseOptions& options)
+        : m_file(file), m_options(options), m_source(std::make_shared<SourceFile>()), m_s(*m_source)
+    {
+    }
 
     ParsedFile parse()
     {
@@ -198,6 +201,18 @@ private:
         return {count, legacy};
     }
 
+    /// Whether the header counts as many points by return as it states: whoever wrote it has counted them.
+    bool returnsAddUp() const
+    {
+        const Header& h = m_s.header;
+        std::uint64_t sum = 0;
+        if (h.extendedCounts())
+            for (std::size_t k = 0; k < at::kByReturn.kCount; ++k) sum += h.get(at::kByReturn[k]);
+        else
+            for (std::size_t k = 0; k < at::kLegacyByReturn.kCount; ++k) sum += h.get(at::kLegacyByReturn[k]);
+        return sum == statedCounts().front();
+    }
+
     /// Where the first EVLR (1.3: the waveform record) says to be; 0 when there is none.
     std::uint64_t statedEvlrStart(std::uint32_t& count) const
     {
@@ -333,12 +348,14 @@ private:
             refuse(e.what());
         }
         const auto counts = statedCounts();
-        ChunkList list = findChunks(m_file, begin, end, m_parsed.laz, counts);
+        const OnlyChunk only = returnsAddUp() ? m_options.only : OnlyChunk::Prove;
+        ChunkList list = findChunks(m_file, begin, end, m_parsed.laz, counts, only);
         m_s.warnings.insert(m_s.warnings.end(), list.warnings.begin(), list.warnings.end());
         m_s.losses.insert(m_s.losses.end(), list.losses.begin(), list.losses.end());
         m_s.recovered = m_s.recovered || !list.losses.empty();
         m_s.pointCount = list.points;
         m_parsed.chunks = std::move(list.chunks);
+        m_parsed.unproved = list.unproved;
         return list.end;
     }
 
@@ -360,7 +377,7 @@ private:
 
     void describe()
     {
-        CrsInfo crs = readCrs(m_s);
+        CrsInfo crs = m_options.crs != nullptr ? m_options.crs->of(m_s) : readCrs(m_s);
         m_s.crs = std::move(crs.text);
         for (const std::string& sentence : crs.warnings) warn(sentence);
         m_s.setUnits(likelyUnits(crs.units, m_s.coordinates, m_s.firstBounds, m_s.warnings));
@@ -451,6 +468,7 @@ private:
     }
 
     const File& m_file;
+    const ParseOptions& m_options;
     std::shared_ptr<SourceFile> m_source;
     SourceFile& m_s;
     ParsedFile m_parsed;
@@ -459,9 +477,9 @@ private:
 
 }  // namespace
 
-ParsedFile parseFile(const File& file)
+ParsedFile parseFile(const File& file, const ParseOptions& options)
 {
-    return Parser(file).parse();
+    return Parser(file, options).parse();
 }
 
 }  // namespace punctum::las

@@ -22,7 +22,7 @@ struct Survey::Member {
     WorldBounds movedBounds;  ///< likewise: where they are then, as the header says
     /// Columns of its own, by field; null: the survey's are the field's, or are converted.
     std::vector<std::shared_ptr<Column>> own;
-    std::unique_ptr<las::Reader> reader;  ///< until it is read; null where too many files would be open
+    std::unique_ptr<las::Reader> reader;  ///< until it is read; its file is closed where too many would be open
     // until it is read:
     std::shared_ptr<PointCloud> view;  ///< what the reader fills
     std::vector<PointRange> firsts;    ///< points of the file that were read in advance

@@ -4,12 +4,14 @@
 #include "core/Error.h"
 #include "core/Text.h"
 #include "core/cloud/BlockBoxes.h"
+#include "core/las/Crs.h"
 #include "core/las/CrsChange.h"
 #include "core/las/FinishSaves.h"
 #include "core/las/GpsTime.h"
 #include "core/las/Leftovers.h"
 #include "core/las/Parallel.h"
 #include "core/las/RecordBlocks.h"
+#include "core/las/SourceParser.h"
 #include "core/survey/Member.h"
 #include "core/survey/PackedFields.h"
 #include "core/task/Progress.h"
@@ -29,7 +31,9 @@ namespace fs = std::filesystem;
 namespace
 {
 
-constexpr std::size_t kMostOpen = 64;  ///< files that stay open until they are read
+/// Files that stay open until they are read. Of more, the only chunk of a file is not decoded to prove the header's
+/// count either: that takes milliseconds a file.
+constexpr std::size_t kMostOpen = 64;
 constexpr double kSameSize = 1e-7;     ///< of units, relative: a foot and a US survey foot differ by 2e-6
 constexpr std::size_t kMostNamed = 3;  ///< files named in one sentence
 
@@ -125,12 +129,14 @@ std::unique_ptr<Survey> Survey::open(const std::vector<fs::path>& files, Progres
     las::FolderLeftovers leftovers;
     std::vector<Opened> opened(paths.size());
     const bool keepOpen = paths.size() <= kMostOpen;
+    las::KnownCrs crs;
+    const las::ParseOptions options{keepOpen ? las::OnlyChunk::Prove : las::OnlyChunk::Believe, &crs};
     las::forEachInOrder(paths.size(), [&](std::vector<std::byte>&, std::size_t k) {
         progress.check();
         try {
-            opened[k].reader = las::Reader::open(paths[k], &leftovers);
+            opened[k].reader = las::Reader::open(paths[k], &leftovers, options);
             opened[k].source = opened[k].reader->source();
-            if (!keepOpen) opened[k].reader.reset();
+            if (!keepOpen) opened[k].reader->close();
         } catch (const Error& e) {
             if (paths.size() == 1) throw;
             opened[k].failure = e.what();
@@ -470,18 +476,6 @@ private:
     RawBounds m_bounds;
 };
 
-/// The reader of a part whose file was closed again, since there are so many.
-std::unique_ptr<las::Reader> Survey::readerOf(std::size_t part) const
-{
-    const Part& p = m_parts[part];
-    auto reader = las::Reader::open(p.path, nullptr);  // open() has looked for leftovers
-    if (reader->source()->pointCount != p.points.size() ||
-        reader->source()->layout.length != p.source->layout.length ||
-        reader->source()->current->get().stamp != p.source->current->get().stamp)
-        throw Error(p.path, "The file was changed by another program while it was being opened.");
-    return reader;
-}
-
 /// The first points of chunks all over the survey, of each file some. What cannot be read is told of by read().
 void Survey::readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress& progress,
                         const las::Reader::BatchSink& sink)
@@ -496,19 +490,19 @@ void Survey::readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress&
         progress.check();
         const auto pieces = std::size_t(ahead.chunks * part.points.size() / all) + 1;
         try {
-            std::unique_ptr<las::Reader> opened;
-            if (!member.reader) opened = readerOf(k);
-            const las::Reader& reader = member.reader ? *member.reader : *opened;
+            las::Reader& reader = *member.reader;
             if (!many()) {
                 member.firsts = reader.readFirsts(*m_cloud, pieces, ahead.points, progress, sink);
                 return;
             }
             PartReading reading(*this, k, changes);
+            reader.reopen();
             member.firsts =
                 reader.readFirsts(reading.view(), pieces, ahead.points, progress, [&](PointRange range) {
                     reading.arrived(range);
                     sink(reading.inSurvey(range));
                 });
+            if (m_parts.size() > kMostOpen) reader.close();
         } catch (const Error&) {
             // read() meets the same, and tells of it
         }
@@ -518,10 +512,9 @@ void Survey::readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress&
 las::ReadResult Survey::readPart(std::size_t part, ChangesOfThreads& changes, Progress& progress,
                                  const las::Reader::BatchSink& sink)
 {
-    const Part& p = m_parts[part];
     Member& member = *m_members[part];
-    std::unique_ptr<las::Reader> reader = std::move(member.reader);
-    if (!reader) reader = readerOf(part);
+    const std::unique_ptr<las::Reader> reader = std::move(member.reader);  // which closes the file in the end
+    reader->reopen();
     PartReading reading(*this, part, changes);
     las::ReadResult result = reader->read(
         reading.view(), progress,
@@ -530,7 +523,6 @@ las::ReadResult Survey::readPart(std::size_t part, ChangesOfThreads& changes, Pr
             if (sink) sink(reading.inSurvey(range));
         },
         member.firsts);
-    if (reader->source() != p.source) p.source->asRead->set(reader->source()->asRead->get());
     if (reading.hasOwnGrid()) {
         result.bounds = reading.bounds();
         for (const PointRange& range : member.firsts)

@@ -96,7 +96,6 @@ private:
     void compareFiles();
     std::shared_ptr<Column> ownColumn(const las::RecordField& field);
     std::shared_ptr<PointCloud> readingView(std::size_t part);
-    std::unique_ptr<las::Reader> readerOf(std::size_t part) const;
     void readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress& progress,
                     const las::Reader::BatchSink& sink);
     las::ReadResult readPart(std::size_t part, ChangesOfThreads& changes, Progress& progress,

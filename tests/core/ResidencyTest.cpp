@@ -116,6 +116,24 @@ private slots:
                      qPrintable(QString::number(residency.resident() / kMiB)));
     }
 
+    /// Who fills arrays faster than pages are let go of, and says so, is held to the bound meanwhile.
+    void whoFillsKeepsUp()
+    {
+        const Budget budget(64 * kMiB);
+        std::vector<Buffer> buffers;
+        for (int k = 0; k < 8; ++k) buffers.emplace_back(48 * kMiB, BufferUse::Points);
+        Residency& residency = Residency::instance();
+        std::uint64_t most = 0;
+        for (Buffer& buffer : buffers)
+            for (std::size_t at = 0; at < buffer.size(); at += kMiB) {
+                std::fill_n(buffer.data() + at, std::size_t(kMiB), std::byte(1));
+                residency.keepUp(kMiB);
+                most = std::max(most, residency.resident());
+            }
+        constexpr std::uint64_t kBetweenLooks = 24 * kMiB;
+        QVERIFY2(most <= residency.residentMost() + kBetweenLooks, qPrintable(QString::number(most / kMiB)));
+    }
+
     void freshOnesAreZeros()
     {
         const Budget budget(16 * kMiB);

@@ -43,6 +43,7 @@ namespace
 {
 
 constexpr int kMany = 400;
+constexpr int kLongestOpening = 1800000;  ///< ms; of a folder of yours
 
 /// Copies of one small file under these names in a folder.
 void writeCopies(const QString& folder, const QStringList& names)
@@ -249,10 +250,11 @@ private slots:
         clock.start();
         beat.start(5);
         test.window->openFiles({folder});
-        QVERIFY(waitFor([&] {
+        const auto isRead = [&] {
             const Document* const open = test.workspace().active();
             return open && open->store() && open->store()->filled() > 0 && !open->loading();
-        }));
+        };
+        QVERIFY(waitFor(isRead, kLongestOpening));
         const qint64 read = all.elapsed();
         QVERIFY(test.settle());
         beat.stop();

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace punctum::ui
@@ -29,10 +30,11 @@ Document::Document(std::shared_ptr<Session> session, std::shared_ptr<render::Poi
       m_attributes(cloud()->attributes())  // nobody else knows the cloud's list yet
 {
     const Survey& survey = m_session->survey();
+    const std::set<std::string> losses(survey.losses().begin(), survey.losses().end());
     for (const std::string& loss : survey.losses()) m_losses << toQString(loss);
     m_facts.warnings.clear();
     for (const std::string& warning : survey.warnings())
-        if (!m_losses.contains(toQString(warning))) m_facts.warnings.push_back(warning);
+        if (!losses.contains(warning)) m_facts.warnings.push_back(warning);
     if (m_many) {
         m_facts.bytes = 0;
         for (const Survey::Part& part : survey.parts()) m_facts.bytes += part.source->fileSize;
