@@ -11,6 +11,7 @@
 #include "ui/measure/VolumeFields.h"
 #include "ui/select/SelectTools.h"
 #include "ui/style/NumberField.h"
+#include "ui/style/Theme.h"
 #include "ui/view/Viewport.h"
 #include "ui/window/MainMenu.h"
 
@@ -20,6 +21,7 @@
 #include <QComboBox>
 #include <QFile>
 #include <QPushButton>
+#include <QStyleOptionComboBox>
 #include <QTreeWidget>
 
 #include <cmath>
@@ -178,6 +180,29 @@ private slots:
         const QTreeWidgetItem& row = *dock.list().topLevelItem(0);
         QCOMPARE(row.text(1), quantityText(m.quantities.front(), m.length));
         QVERIFY(row.text(1).endsWith(toQString(unitText(Quantity::Unit::Volume, m.length))));
+        // in the narrowest panel choices and figures are read in full
+        test.window->resizeDocks({&dock}, {kLeastPanelWidth}, Qt::Horizontal);
+        QVERIFY(waitFor([&] { return dock.width() < kLeastPanelWidth + 30; }));
+        for (QComboBox* box : {&fields.base(), &fields.points()}) {
+            QStyleOptionComboBox option;
+            option.initFrom(box);
+            option.editable = false;
+            const int room = box->style()
+                                 ->subControlRect(QStyle::CC_ComboBox, &option, QStyle::SC_ComboBoxEditField, box)
+                                 .width();
+            for (int k = 0; k < box->count(); ++k)
+                QVERIFY2(box->fontMetrics().horizontalAdvance(box->itemText(k)) <= room,
+                         qPrintable(box->itemText(k)));
+        }
+        QTreeWidget& list = dock.list();
+        const auto fits = [&] {
+            return list.columnWidth(0) + list.columnWidth(1) <= list.viewport()->width() &&
+                   list.fontMetrics().horizontalAdvance(row.text(1)) <= list.columnWidth(1);
+        };
+        QVERIFY2(waitFor(fits, 5000), qPrintable(QStringLiteral("%1 and %2 px of %3")
+                                                     .arg(list.columnWidth(0))
+                                                     .arg(list.columnWidth(1))
+                                                     .arg(list.viewport()->width())));
         // other bases, by keys: it is measured again
         fields.base().setFocus();
         QTest::keyClick(&fields.base(), Qt::Key_Down);

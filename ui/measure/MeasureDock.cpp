@@ -52,8 +52,11 @@ MeasureDock::MeasureDock(Measurements& measurements, QWidget* parent)
     m_list->setHeaderHidden(true);
     m_list->setStyleSheet(QStringLiteral("QTreeWidget::item { padding: 2px 0; }"));
     m_list->setSelectionMode(QAbstractItemView::SingleSelection);
-    m_list->header()->setSectionResizeMode(0, QHeaderView::ResizeToContents);
-    m_list->header()->setStretchLastSection(true);
+    m_list->setIndentation(14);
+    m_list->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    m_list->header()->setSectionResizeMode(QHeaderView::Fixed);
+    m_list->header()->setMinimumSectionSize(0);
+    m_list->header()->setStretchLastSection(false);
     m_list->setAccessibleName(tr("Measurements"));
     m_hint->setProperty("dim", true);
     m_hint->setWordWrap(true);
@@ -68,6 +71,9 @@ MeasureDock::MeasureDock(Measurements& measurements, QWidget* parent)
     connect(m_volume, &VolumeFields::wishChanged, this,
             [this](const VolumeWish& wish) { m_measurements.setVolumeWish(chosen(), wish); });
     m_list->installEventFilter(this);
+    m_list->viewport()->installEventFilter(this);
+    for (const auto folded : {&QTreeWidget::itemExpanded, &QTreeWidget::itemCollapsed})
+        connect(m_list, folded, this, &MeasureDock::fitColumns);
     connect(m_export, &QPushButton::clicked, this, &MeasureDock::exportWanted);
     connect(&m_measurements, &Measurements::changed, this, &MeasureDock::fill);
     connect(&m_measurements, &Measurements::added, this, [this](quint64 id) {
@@ -127,6 +133,7 @@ quint64 MeasureDock::chosen() const
 
 bool MeasureDock::eventFilter(QObject* watched, QEvent* event)
 {
+    if (watched == m_list->viewport() && event->type() == QEvent::Resize) fitColumns();
     if (watched != m_list || event->type() != QEvent::KeyPress) return QDockWidget::eventFilter(watched, event);
     if (static_cast<QKeyEvent*>(event)->key() != Qt::Key_Delete) return false;
     m_measurements.remove(chosen());
@@ -154,6 +161,7 @@ void MeasureDock::fill()
         item->setToolTip(0, toQString(m.file));
         const auto row = [&](const QString& name, const QString& text) {
             auto* child = new QTreeWidgetItem(item, {name, text});
+            child->setToolTip(0, name);
             child->setToolTip(1, text);
         };
         if (!point)
@@ -169,7 +177,21 @@ void MeasureDock::fill()
     const bool some = number != 0;
     m_hint->setVisible(!some);
     for (QPushButton* button : {m_copy, m_export}) button->setEnabled(some);
+    fitColumns();
     choose();
+}
+
+/// Names and values side by side. Where there is no room for both, values are seen in full if they can, since names
+/// are known by how they begin.
+void MeasureDock::fitColumns()
+{
+    const QAbstractItemView& list = *m_list;  // where the hints are public
+    const int room = m_list->viewport()->width();
+    const int names = list.sizeHintForColumn(0), values = list.sizeHintForColumn(1);
+    const int leastNames = room * 2 / 5;
+    const int width = std::clamp(room - values, std::min(leastNames, names), names);
+    m_list->setColumnWidth(0, width);
+    m_list->setColumnWidth(1, std::max(0, room - width));
 }
 
 void addMeasureMenu(Menus& menus, MeasureTools& tools, Measurements& measurements, MeasureDock& dock)

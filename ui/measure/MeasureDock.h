@@ -39,6 +39,7 @@ signals:
 
 private:
     void fill();
+    void fitColumns();
     void choose();
     quint64 chosen() const;
 

@@ -6,6 +6,7 @@
 #include <QWidget>
 
 class QComboBox;
+class QFormLayout;
 
 namespace punctum::ui
 {
@@ -30,9 +31,13 @@ signals:
     /// A person has chosen something else; not while a height is wanted and there is none.
     void wishChanged(const VolumeWish& wish);
 
+protected:
+    void resizeEvent(QResizeEvent* event) override;
+
 private:
     void tell();
 
+    QFormLayout* m_form;
     QComboBox* m_base;
     NumberField* m_height;
     QComboBox* m_points;
