@@ -6,6 +6,7 @@
 #include "app/Picture.h"
 #include "app/Renderer.h"
 #include "app/commands/Command.h"
+#include "app/commands/MapOptions.h"
 #include "core/Error.h"
 #include "core/Text.h"
 #include "core/cloud/Section.h"
@@ -48,6 +49,7 @@ struct RenderOptions {
     std::string normals = "lit";
     bool eyeDome = false;
     std::string surface = "none";
+    std::string contours;  ///< an interval, or kSuitable
     bool pointsOnTop = false;
     bool groundPoints = false;
     int bands = 0;
@@ -63,6 +65,9 @@ struct RenderOptions {
     bool bruteForce = false;
     bool json = false;
 };
+
+/// The interval of contours that suits the surface.
+const std::string kSuitable = "auto";
 
 /// The options with a grammar of their own, understood.
 struct RenderRequest {
@@ -192,6 +197,17 @@ std::string findAttribute(const std::vector<DrawableCloud>& clouds, const std::s
     throw Error("There is no attribute \"" + name + "\" to show; there are " + listOf(*clouds.front().cloud) + ".");
 }
 
+/// The contours that are asked for, of surfaces whose heights have this range.
+render::SurfaceContours contoursOf(const std::string& interval, double range)
+{
+    render::SurfaceContours contours;
+    if (interval == kSuitable)
+        contours.interval = render::suitableInterval(range);
+    else if (!interval.empty())
+        contours.interval = std::stod(interval);
+    return contours;
+}
+
 void runRender(const RenderRequest& request, Progress& progress)
 {
     const auto start = std::chrono::steady_clock::now();
@@ -230,9 +246,10 @@ void runRender(const RenderRequest& request, Progress& progress)
     display.samples = options.samples;
     display.eyeDome = options.eyeDome ? 1.0 : 0.0;
     display.bands = options.bands;
-    display.surface = options.surface == "gray"      ? render::SurfaceLook::Gray
-                      : options.surface == "heights" ? render::SurfaceLook::Heights
-                                                     : render::SurfaceLook::None;
+    const bool contours = !options.contours.empty();
+    display.surface = options.surface == "gray"                  ? render::SurfaceLook::Gray
+                      : options.surface == "heights" || contours ? render::SurfaceLook::Heights
+                                                                 : render::SurfaceLook::None;
     display.pointsOnTop = options.pointsOnTop;
     if (!options.groundPoints) display.surfaceReplaces = SurfaceSettings().classes;
     display.backgroundTop = request.background.top;
@@ -247,18 +264,24 @@ void runRender(const RenderRequest& request, Progress& progress)
     display.clip = clip;
     renderer.setDisplay(display);
     std::vector<Visibility> visibility(clouds.size());
+    double heights = 0;
     for (std::size_t k = 0; k < clouds.size(); ++k) {
         const PointCloud& cloud = *clouds[k].cloud;
         renderer.addCloud(clouds[k].store);
         renderer.loadingEnded(cloud, clouds[k].bounds);
         visibility[k].clip = clip;
-        if (display.surface != render::SurfaceLook::None)
-            renderer.setSurface(cloud, Surface(clouds[k].cloud, {}, progress).view());
+        if (display.surface != render::SurfaceLook::None) {
+            const auto surface = Surface(clouds[k].cloud, {}, progress).view();
+            renderer.setSurface(cloud, surface);
+            heights = std::max(heights, (surface->high - surface->low) * cloud.coordinates().scale.z);
+        }
         if (options.filter.empty()) continue;
         const expression::Condition filter(options.filter, cloud);
         visibility[k].filtered = expression::selectOthers(cloud, filter, progress);
         renderer.hide(cloud, visibility[k].filtered.get());
     }
+    display.contours = contoursOf(options.contours, heights);
+    renderer.setDisplay(display);
 
     const auto [width, height] = options.size;
     const glm::dvec2 size(width, height);
@@ -301,6 +324,7 @@ void runRender(const RenderRequest& request, Progress& progress)
                    {"covered", picture.covered},
                    {"shown", extent.points},
                    {"strays", extent.strays},
+                   {"contours", display.contours.interval},
                    {"camera", Json::parse(render::cameraText(camera))},
                    {"seconds", seconds.count()}});
     else
@@ -332,6 +356,15 @@ void addRender(CLI::App& root, Action& action)
                     "The ground points (class 2) as a lit surface: gray, or heights for a tint by height")
         ->type_name("LOOK")
         ->check(CLI::IsMember({"none", "gray", "heights"}));
+    command
+        .add_option(
+            "--contours", options->contours,
+            "Lines of equal height on the surface, so many units of Z apart; without INTERVAL about twenty. "
+            "Brings --surface heights")
+        ->type_name("[INTERVAL]")
+        ->expected(0, 1)
+        ->default_str(kSuitable)
+        ->check(moreThanNothing() | CLI::IsMember({kSuitable}));
     command.add_flag("--points-on-top", options->pointsOnTop,
                      "With --surface: points below or behind the surface are seen through it");
     command.add_flag("--ground-points", options->groundPoints,

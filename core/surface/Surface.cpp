@@ -70,7 +70,7 @@ void Surface::makeAll(Progress& progress)
     std::swap(m_tiles, tiles);
     const std::size_t count = m_tiles->size();
     std::vector<std::shared_ptr<const SurfaceTile>> made(count);
-    progress.begin("Making the surface", count);
+    progress.begin(kTilesStage, count);
     tbb::parallel_for(std::size_t(0), count, [&](std::size_t t) {
         if (progress.cancelled()) return;
         made[t] = makeTile(t);

@@ -54,6 +54,9 @@ struct SurfaceSettings {
 class Surface
 {
 public:
+    /// The second of the two stages that making all of it has, and the longer one.
+    static constexpr const char* kTilesStage = "Making the surface";
+
     /// In parallel. Throws Cancelled, and Error (no classes, more than 2^32 points).
     Surface(std::shared_ptr<const PointCloud> cloud, const SurfaceSettings& settings, Progress& progress);
 

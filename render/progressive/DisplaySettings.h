@@ -5,6 +5,7 @@
 #include "render/color/ColorMap.h"
 #include "render/color/Tone.h"
 #include "render/scene/ResolveSettings.h"
+#include "render/surface/SurfaceContours.h"
 #include "render/surface/SurfaceLook.h"
 
 #include <algorithm>
@@ -48,6 +49,7 @@ struct DisplaySettings {
     double eyeDome = 0.0;                     ///< strength of eye-dome lighting, 1 as usual; 0: none
     bool fillHoles = false;                   ///< closes small holes of frames that are not finished (HoleFill.h)
     SurfaceLook surface = SurfaceLook::None;  ///< of the clouds that have one: ProgressiveRenderer::setSurface()
+    SurfaceContours contours;                 ///< of the surface
     bool pointsOnTop = false;                 ///< points behind the surface are seen through it
     /// Points of these classes are not seen where the surface is, but for selected ones.
     std::bitset<256> surfaceReplaces{};

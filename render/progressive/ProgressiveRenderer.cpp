@@ -192,11 +192,13 @@ void ProgressiveRenderer::composeSurface(const ResolveSettings& settings)
         for (std::size_t k = 0; k < m_clouds.size(); ++k) {
             const Layer& layer = m_scene.layers[k];
             if (!m_clouds[k]->surface) continue;
+            const CoordinateScale& grid = layer.store->cloud().coordinates();
             layers.push_back({m_clouds[k]->surface, layer.projection, layer.store->frame(), layer.clip,
-                              layer.projection.perspective ? focal : focal / m_look.camera.pivotDepth()});
+                              layer.projection.perspective ? focal : focal / m_look.camera.pivotDepth(),
+                              grid.scale.z, grid.offset.z});
         }
         m_surface.draw(layers, m_size, m_moving ? SurfaceRaster::kCoarseCell : SurfaceRaster::kFineCell,
-                       m_look.display.surface);
+                       m_look.display.surface, m_look.display.contours);
         m_surfaceCoarse = m_moving;
         m_surfaceChanged = false;
     }
@@ -299,7 +301,8 @@ void ProgressiveRenderer::setDisplay(const DisplaySettings& display)
         before.round != m_look.display.round || before.classVisible != m_look.display.classVisible ||
         before.clip != m_look.display.clip || before.cuts != m_look.display.cuts)
         m_viewChanged = true;
-    if (before.surface != m_look.display.surface) m_surfaceChanged = true;
+    if (before.surface != m_look.display.surface || before.contours != m_look.display.contours)
+        m_surfaceChanged = true;
     if (before.classVisible != m_look.display.classVisible || before.clip != m_look.display.clip)
         m_legend.valuesChanged();
     if (before.range != m_look.display.range || before.attribute != m_look.display.attribute)

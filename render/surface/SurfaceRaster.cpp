@@ -32,6 +32,8 @@ constexpr int kLeastBandRows = 16;
 constexpr double kSlackPx = 3.0;
 /// So far beside a triangle pixels are its own: each tile rounds the heights of nodes on a common edge for itself.
 constexpr double kEdgePx = 0.002;
+/// Contours are of a dark brown, as on maps.
+constexpr Rgba8 kInk{58, 38, 22, 255};
 
 struct Projected {
     double x = 0, y = 0, depth = 0;
@@ -181,7 +183,7 @@ void SurfaceRaster::placeAll(std::span<const SurfaceLayer> layers, double cellPx
 }
 
 bool SurfaceRaster::isSameView(std::span<const SurfaceLayer> layers, const TargetSize& size, double cellPx,
-                               SurfaceLook look) const noexcept
+                               SurfaceLook look, const SurfaceContours& contours) const noexcept
 {
     const auto sameProjection = [](const LayerProjection& a, const LayerProjection& b) {
         return a.reference == b.reference && a.rowX == b.rowX && a.rowY == b.rowY && a.rowD == b.rowD &&
@@ -197,11 +199,13 @@ bool SurfaceRaster::isSameView(std::span<const SurfaceLayer> layers, const Targe
                a.tiles.size() == b.tiles.size();
     };
     return size.width == m_width && size.height == m_height && cellPx == m_cellPx && look == m_look &&
+           contours == m_contours &&
            std::equal(layers.begin(), layers.end(), m_layers.begin(), m_layers.end(),
                       [&](const SurfaceLayer& a, const SurfaceLayer& b) {
                           return sameProjection(a.projection, b.projection) && sameClip(a.clip, b.clip) &&
                                  a.frame.origin == b.frame.origin && a.frame.shift == b.frame.shift &&
-                                 a.pixelsPerUnit == b.pixelsPerUnit && sameFrame(*a.view, *b.view);
+                                 a.pixelsPerUnit == b.pixelsPerUnit && a.zScale == b.zScale &&
+                                 a.zOffset == b.zOffset && sameFrame(*a.view, *b.view);
                       });
 }
 
@@ -239,9 +243,9 @@ SurfaceRaster::Rectangle SurfaceRaster::changedPixels(std::span<const SurfaceLay
 }
 
 void SurfaceRaster::draw(std::span<const SurfaceLayer> layers, const TargetSize& size, double cellPx,
-                         SurfaceLook look)
+                         SurfaceLook look, const SurfaceContours& contours)
 {
-    const bool same = isSameView(layers, size, cellPx, look);
+    const bool same = isSameView(layers, size, cellPx, look, contours);
     m_width = size.width;
     m_height = size.height;
     if (!layers.empty()) {
@@ -255,9 +259,18 @@ void SurfaceRaster::draw(std::span<const SurfaceLayer> layers, const TargetSize&
     m_drawn = same ? changedPixels(layers, before, cellsBefore) : Rectangle{0, m_width, 0, m_height};
     m_layers.assign(layers.begin(), layers.end());
     m_look = look;
+    m_contours = contours;
     const std::size_t pixels = std::size_t(m_width) * std::size_t(m_height);
     m_colors.resize(pixels);
     m_depths.resize(pixels);
+    m_levels.resize(contours.on() ? pixels : 0);
+    m_ink.resize(m_levels.size());
+    if (contours.on() && !layers.empty()) {
+        // in the middle of the heights, where floats are exact enough, and on an index contour
+        const SurfaceLayer& first = layers[0];
+        const double middle = (first.view->low + first.view->high) / 2 * first.zScale + first.zOffset;
+        m_levelZero = kIndexContour * std::round(middle / contours.interval / kIndexContour);
+    }
 
     const int rows = m_drawn.empty() ? 0 : m_drawn.lastRow - m_drawn.firstRow;
     const int wanted = kBandsAThread * tbb::this_task_arena::max_concurrency();
@@ -276,12 +289,48 @@ void SurfaceRaster::draw(std::span<const SurfaceLayer> layers, const TargetSize&
         Rectangle within = m_drawn;
         within.firstRow += band * bandRows;
         within.lastRow = std::min(m_drawn.lastRow, within.firstRow + bandRows);
-        for (int y = within.firstRow; y < within.lastRow; ++y)
-            std::fill_n(m_depths.begin() + std::ptrdiff_t(y) * m_width + within.firstColumn,
-                        within.lastColumn - within.firstColumn, INFINITY);
+        for (int y = within.firstRow; y < within.lastRow; ++y) {
+            const auto first = std::ptrdiff_t(y) * m_width + within.firstColumn;
+            const int columns = within.lastColumn - within.firstColumn;
+            std::fill_n(m_depths.begin() + first, columns, INFINITY);
+            if (contours.on()) std::fill_n(m_levels.begin() + first, columns, NAN);
+        }
         for (const std::uint32_t k : inBand[std::size_t(band)]) drawTile(layers, m_placed[k], within, look, nodes);
     });
+    if (contours.on()) drawInk();
     m_cellPx = cellPx;
+}
+
+float SurfaceRaster::levelOf(const SurfaceLayer& layer, double z) const noexcept
+{
+    return float((z * layer.zScale + layer.zOffset) / m_contours.interval - m_levelZero);
+}
+
+void SurfaceRaster::drawInk()
+{
+    constexpr std::size_t kRows = 32;  // a block, each of which looks at some rows about it, too
+    if (m_drawn.empty()) return;
+    const Rectangle reached = Rectangle{m_drawn.firstColumn - kContourReach, m_drawn.lastColumn + kContourReach,
+                                        m_drawn.firstRow - kContourReach, m_drawn.lastRow + kContourReach}
+                                  .cutTo({0, m_width, 0, m_height});
+    const LevelPicture levels{m_levels, m_width, m_height};
+    tbb::parallel_for(tbb::blocked_range<int>(reached.firstRow, reached.lastRow, kRows),
+                      [&](const tbb::blocked_range<int>& rows) {
+                          drawContours(levels, {reached.firstColumn, reached.lastColumn, rows.begin(), rows.end()},
+                                       m_contours.width, m_ink);
+                      });
+}
+
+/// The surface with its contours.
+Rgba8 SurfaceRaster::seen(std::size_t pixel) const noexcept
+{
+    const Rgba8 color = m_colors[pixel];
+    const int ink = m_ink.empty() ? 0 : m_ink[pixel];
+    if (ink == 0) return color;
+    const auto mix = [&](std::uint8_t surface, std::uint8_t line) {
+        return std::uint8_t((surface * (255 - ink) + line * ink + 127) / 255);
+    };
+    return {mix(color.r, kInk.r), mix(color.g, kInk.g), mix(color.b, kInk.b), color.a};
 }
 
 void SurfaceRaster::drawTile(std::span<const SurfaceLayer> layers, const Placed& placed, const Rectangle& within,
@@ -329,6 +378,7 @@ void SurfaceRaster::drawTile(std::span<const SurfaceLayer> layers, const Placed&
             node.r = shade * tint.x;
             node.g = shade * tint.y;
             node.b = shade * tint.z;
+            node.level = m_contours.on() ? levelOf(layer, height) : 0.0f;
         }
     for (int j = 0; j + 1 < row; ++j)
         for (int i = 0; i + 1 < row; ++i) {
@@ -392,6 +442,10 @@ void SurfaceRaster::drawTriangle(const Node& a, const Node& b, const Node& c, bo
             const std::size_t at = std::size_t(y) * std::size_t(m_width) + std::size_t(x);
             if (!(depth < m_depths[at])) continue;
             m_depths[at] = depth;
+            if (!m_levels.empty())
+                m_levels[at] = float(
+                    perspective ? (shareA * a.w * a.level + shareB * b.w * b.level + shareC * c.w * c.level) / w
+                                : shareA * a.level + shareB * b.level + shareC * c.level);
             const auto mix = [&](float u, float v, float t) {
                 return std::uint8_t(std::clamp(shareA * u + shareB * v + shareC * t, 0.0, 255.0));
             };
@@ -408,7 +462,7 @@ void SurfaceRaster::compose(Image& picture, const Points& points, const ResolveS
                 const std::size_t at = std::size_t(y) * std::size_t(m_width) + std::size_t(x);
                 Rgba8& pixel = picture.pixels[at];
                 const float surface = m_depths[at];
-                const Rgba8 behind = surface < INFINITY ? m_colors[at] : background;
+                const Rgba8 behind = surface < INFINITY ? seen(at) : background;
                 const double slack = m_perspective ? m_nearestSlack * double(surface) : m_nearestSlack;
                 const bool front = (points.onTop || double(points.depths[at]) <= double(surface) + slack) &&
                                    (points.replaced.empty() || points.replaced[at] == 0);

@@ -8,6 +8,7 @@
 #include "render/scene/ResolveSettings.h"
 #include "render/scene/TargetSize.h"
 #include "render/store/LocalFrame.h"
+#include "render/surface/SurfaceContours.h"
 #include "render/surface/SurfaceLook.h"
 
 #include <memory>
@@ -25,6 +26,8 @@ struct SurfaceLayer {
     LayerClip clip;
     /// px that a unit of length covers: in perspective at depth 1, in parallel anywhere.
     double pixelsPerUnit = 1;
+    /// What contours go by: Z = raw Z * zScale + zOffset.
+    double zScale = 1, zOffset = 0;
 };
 
 /// The ground surface as a picture with depths, drawn by the processor for every backend, and put together with the
@@ -32,7 +35,8 @@ struct SurfaceLayer {
 /// changed since the last one, the rectangle of the picture that they reach is drawn again, to the same pixels.
 ///
 /// Each tile is drawn by the nodes of its grid, or every second, fourth and so on of them, so that a cell is about
-/// `cellPx` px at most. One thread calls; inside, bands of rows are drawn in parallel.
+/// `cellPx` px at most. Contours are found per pixel from the heights that were drawn. One thread calls; inside,
+/// bands of rows are drawn in parallel.
 class SurfaceRaster
 {
 public:
@@ -48,7 +52,8 @@ public:
     /// Of a still picture, and while the camera moves.
     static constexpr double kFineCell = 2.0, kCoarseCell = 6.0;  // px
 
-    void draw(std::span<const SurfaceLayer> layers, const TargetSize& size, double cellPx, SurfaceLook look);
+    void draw(std::span<const SurfaceLayer> layers, const TargetSize& size, double cellPx, SurfaceLook look,
+              const SurfaceContours& contours = {});
     /// What the points' picture shows.
     struct Points {
         std::span<const float> depths;           ///< VisibilityBuffer::depths()
@@ -60,7 +65,9 @@ public:
     void compose(Image& picture, const Points& points, const ResolveSettings& settings) const;
 
     std::span<const float> depths() const noexcept { return m_depths; }  ///< infinity: no surface
-    std::span<const Rgba8> colors() const noexcept { return m_colors; }
+    std::span<const Rgba8> colors() const noexcept { return m_colors; }  ///< without contours
+    /// How much contours darken each pixel; empty: there are none.
+    std::span<const std::uint8_t> ink() const noexcept { return m_ink; }
     /// What the last draw() has drawn anew.
     const Rectangle& drawn() const noexcept { return m_drawn; }
 
@@ -69,6 +76,7 @@ private:
         double x = 0, y = 0;  ///< px
         float w = 0;          ///< 1 / depth in perspective, depth in parallel; NaN: nothing
         float r = 0, g = 0, b = 0;
+        float level = 0;  ///< LevelPicture
     };
     struct Placed {
         std::size_t layer = 0, tile = 0;
@@ -82,21 +90,29 @@ private:
                  double cellPx) const;
     void placeAll(std::span<const SurfaceLayer> layers, double cellPx);
     /// Whether the picture is that of the last draw(), but for tiles that were replaced.
-    bool isSameView(std::span<const SurfaceLayer> layers, const TargetSize& size, double cellPx,
-                    SurfaceLook look) const noexcept;
+    bool isSameView(std::span<const SurfaceLayer> layers, const TargetSize& size, double cellPx, SurfaceLook look,
+                    const SurfaceContours& contours) const noexcept;
     Rectangle changedPixels(std::span<const SurfaceLayer> layers, const std::vector<Placed>& before,
                             const std::vector<std::vector<double>>& cellsBefore) const;
     void drawTile(std::span<const SurfaceLayer> layers, const Placed& placed, const Rectangle& within,
                   SurfaceLook look, std::vector<Node>& nodes);
     void drawTriangle(const Node& a, const Node& b, const Node& c, bool perspective, const Rectangle& within);
+    /// Of a raw Z.
+    float levelOf(const SurfaceLayer& layer, double z) const noexcept;
+    void drawInk();
+    Rgba8 seen(std::size_t pixel) const noexcept;
 
     int m_width = 0, m_height = 0;
     std::vector<SurfaceLayer> m_layers;  ///< as they were drawn last
     double m_cellPx = 0;
     SurfaceLook m_look = SurfaceLook::None;
+    SurfaceContours m_contours;
+    double m_levelZero = 0;  ///< from where levels are told, in intervals
     Rectangle m_drawn;
     std::vector<Rgba8> m_colors;
     std::vector<float> m_depths;
+    std::vector<float> m_levels;               ///< LevelPicture; empty: no contours
+    std::vector<std::uint8_t> m_ink;           ///< drawContours()
     std::vector<Placed> m_placed;              ///< the tiles in sight
     std::vector<std::vector<double>> m_cells;  ///< of each layer, for TileEdges
     double m_nearestSlack = 0;                 ///< of depths, for a depth of 1 (perspective) or for all

@@ -101,6 +101,33 @@ private slots:
         QCOMPARE(wrong.exitCode, 2);
     }
 
+    /// They darken the relief here and there, the more the less is between them, and bring it themselves.
+    void drawsContours()
+    {
+        const QStringList view{"--view", "top", "--filter", "Classification == 2"};
+        const QImage relief = render("relief.png", view + QStringList{"--surface", "heights"});
+        QVERIFY(!relief.isNull());
+        const auto darker = [&](const QImage& other) {
+            int darkened = 0, lightened = 0;
+            for (int y = 0; y < relief.height(); ++y)
+                for (int x = 0; x < relief.width(); ++x) {
+                    const int change = qGray(other.pixel(x, y)) - qGray(relief.pixel(x, y));
+                    darkened += int(change < -5);
+                    lightened += int(change > 5);
+                }
+            return lightened == 0 ? darkened : -lightened;
+        };
+        const int few = darker(render("few.png", view + QStringList{"--contours", "10"}));
+        const int many = darker(render("many.png", view + QStringList{"--contours=5"}));
+        QVERIFY2(few > 200 && many > few * 3 / 2, qPrintable(QStringLiteral("%1, %2").arg(few).arg(many)));
+        const Outcome suitable =
+            runPunctum({"render", path("in.las"), "--contours", "-o", path("auto.png"), "--json"});
+        PUNCTUM_EXIT(suitable, 0);
+        QVERIFY(suitable.json()["contours"].toDouble() > 0);
+        for (const QString& wrong : {QString("0"), QString("-1"), QString("often")})
+            QCOMPARE(runPunctum({"render", path("in.las"), "-o", path("w.png"), "--contours", wrong}).exitCode, 2);
+    }
+
     void fillsThePictureWithTheCloud()
     {
         const QImage picture = render("plain.png", {"--samples", "1"});

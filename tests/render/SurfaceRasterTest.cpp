@@ -121,7 +121,7 @@ private slots:
 private:
     std::shared_ptr<PointStore> m_steep;  ///< for hasNoCracks()
     std::shared_ptr<const SurfaceView> m_steepView;
-    std::int64_t m_changed = 0, m_drawn = 0, m_pixels = 0;  ///< by drawsAgainWhatChanged()
+    std::int64_t m_changed = 0, m_drawn = 0, m_pixels = 0, m_inkChanged = 0;  ///< by drawsAgainWhatChanged()
 };
 
 void SurfaceRasterTest::hasNoCracks_data()
@@ -180,7 +180,7 @@ void SurfaceRasterTest::drawsAgainWhatChanged_data()
 }
 
 /// After edits of classes here and there, what is drawn of a part of the picture is what is drawn of all of it,
-/// pixel by pixel.
+/// pixel by pixel, contours included.
 void SurfaceRasterTest::drawsAgainWhatChanged()
 {
     QFETCH(bool, orthographic);
@@ -199,9 +199,11 @@ void SurfaceRasterTest::drawsAgainWhatChanged()
     const double focal = kHeight / 2.0 / std::tan(camera.fovY / 2);
     SurfaceLayer layer{surface.view(), makeProjection(camera, *store, TargetSize{kWidth, kHeight, 1}),
                        store->frame(), LayerClip{}, orthographic ? focal / camera.pivotDepth() : focal};
+    layer.zScale = cloud->coordinates().scale.z;
+    const SurfaceContours contours{1.0, 1.2};
     const auto classes = cloud->findAttribute("Classification")->columns[0]->values<std::uint8_t>();
     SurfaceRaster again;
-    again.draw(std::span(&layer, 1), TargetSize{kWidth, kHeight, 1}, cellPx, SurfaceLook::Heights);
+    again.draw(std::span(&layer, 1), TargetSize{kWidth, kHeight, 1}, cellPx, SurfaceLook::Heights, contours);
     std::int64_t drawn = 0, changed = 0;
     constexpr int kEdits = 10;
     for (int edit = 0; edit < kEdits; ++edit) {
@@ -218,14 +220,17 @@ void SurfaceRasterTest::drawsAgainWhatChanged()
         (void)surface.update(&points, progress);
         layer.view = surface.view();
         const std::vector<Rgba8> before(again.colors().begin(), again.colors().end());
-        again.draw(std::span(&layer, 1), TargetSize{kWidth, kHeight, 1}, cellPx, SurfaceLook::Heights);
+        const std::vector<std::uint8_t> inkBefore(again.ink().begin(), again.ink().end());
+        again.draw(std::span(&layer, 1), TargetSize{kWidth, kHeight, 1}, cellPx, SurfaceLook::Heights, contours);
         SurfaceRaster whole;
-        whole.draw(std::span(&layer, 1), TargetSize{kWidth, kHeight, 1}, cellPx, SurfaceLook::Heights);
+        whole.draw(std::span(&layer, 1), TargetSize{kWidth, kHeight, 1}, cellPx, SurfaceLook::Heights, contours);
         int wrong = 0;
         for (std::size_t p = 0; p < whole.depths().size(); ++p) {
             const bool is = !std::isinf(whole.depths()[p]);
             wrong += int(again.depths()[p] != whole.depths()[p] || (is && again.colors()[p] != whole.colors()[p]));
             changed += std::int64_t(is && before[p] != whole.colors()[p]);
+            wrong += int(again.ink()[p] != whole.ink()[p]);
+            m_inkChanged += int(inkBefore[p] != whole.ink()[p]);
         }
         QCOMPARE(wrong, 0);
         if (!again.drawn().empty())
@@ -241,6 +246,7 @@ void SurfaceRasterTest::lessWasDrawn()
 {
     if (m_pixels == 0) QSKIP("No edits were drawn.");
     QVERIFY(m_changed > 10000);
+    QVERIFY(m_inkChanged > 1000);
     QVERIFY2(m_drawn < m_pixels / 2, qPrintable(QString("%1 of %2 px").arg(m_drawn).arg(m_pixels)));
 }
 
@@ -308,6 +314,7 @@ void SurfaceRasterTest::convergesToBruteForce()
     display.attribute = "Z";
     display.samples = samples;
     display.surface = SurfaceLook::Heights;
+    display.contours.interval = 0.5;
     Camera camera = cameraFor(*cloud, kWidth, kHeight);
     camera.orthographic = orthographic;
     CpuView view({store}, camera, display);

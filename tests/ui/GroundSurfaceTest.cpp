@@ -15,9 +15,12 @@
 #include <QDialogButtonBox>
 #include <QDoubleSpinBox>
 #include <QLabel>
+#include <QMenu>
 #include <QMenuBar>
 #include <QPushButton>
 #include <QTemporaryDir>
+
+#include <mutex>
 
 using namespace punctum;
 using namespace punctum::ui;
@@ -32,6 +35,33 @@ QAction* actionNamed(QWidget& window, const QString& text)
     for (QAction* action : window.findChildren<QAction*>())
         if (QString(action->text()).remove(QLatin1Char('&')) == text) return action;
     return nullptr;
+}
+
+QMenu* menuNamed(QWidget& window, const QString& title)
+{
+    for (QMenu* menu : window.findChildren<QMenu*>())
+        if (QString(menu->title()).remove(QLatin1Char('&')) == title) return menu;
+    return nullptr;
+}
+
+/// Opens the menu and clicks the entry that begins so.
+bool clickEntry(QMenu& menu, const QString& text)
+{
+    menu.popup(QPoint(0, 0));
+    if (!QTest::qWaitForWindowExposed(&menu)) return false;
+    for (QAction* action : menu.actions()) {
+        if (!QString(action->text()).remove(QLatin1Char('&')).startsWith(text)) continue;
+        QTest::mouseClick(&menu, Qt::LeftButton, {}, menu.actionGeometry(action).center());
+        return true;
+    }
+    return false;
+}
+
+/// What the status bar says of the surface; empty while it is not shown.
+QString stateOf(Bench& b)
+{
+    auto* const label = b.window->findChild<QLabel*>(QStringLiteral("groundState"));
+    return label && label->isVisible() ? label->text() : QString();
 }
 
 /// The picture that the view is to show: all at once, of a surface that is made anew.
@@ -77,6 +107,8 @@ private slots:
     void comesAndGoes();
     void followsAStroke();
     void hidesItsOwnPoints();
+    void hasContours();
+    void tellsThatItIsMade();
     void selectsByHeight();
     void measuresAVolume();
 };
@@ -161,6 +193,90 @@ void GroundSurfaceTest::hidesItsOwnPoints()
     QVERIFY(choice && !choice->isChecked());
     choice->trigger();
     QVERIFY(again.window->viewSettings().groundReplaced());
+}
+
+void GroundSurfaceTest::hasContours()
+{
+    const QTemporaryDir folder;
+    const QString settings = folder.filePath(QStringLiteral("settings.ini"));
+    {
+        Bench b(settings);
+        QVERIFY(b.begin(Tool::None));
+        GroundSurface& ground = b.window->ground();
+        QMenu* const menu = menuNamed(*b.window, QStringLiteral("Contours"));
+        QVERIFY(menu);
+        // contours bring the surface
+        QVERIFY(clickEntry(*menu, QStringLiteral("Automatic")));
+        QVERIFY(ground.isOn());
+        QVERIFY(waitFor([&] { return ground.surface(b.document) && !ground.busy(); }));
+        QVERIFY(b.settle());
+        const auto view = ground.surface(b.document)->view();
+        const double range = (view->high - view->low) * b.document->cloud()->coordinates().scale.z;
+        const double suitable = render::suitableInterval(range);
+        QVERIFY(suitable > 0);
+        QCOMPARE(b.window->viewSettings().display().contours.interval, suitable);
+        QVERIFY2(stateOf(b).startsWith(QStringLiteral("Contours every ")), qPrintable(stateOf(b)));
+        QVERIFY(showsWhatIsExpected(b));
+        const auto automatic = b.frame();
+
+        QVERIFY(clickEntry(*menu, QStringLiteral("None")));
+        QVERIFY(ground.isOn());
+        QVERIFY(stateOf(b).isEmpty());
+        QVERIFY(b.settle());
+        QVERIFY(showsWhatIsExpected(b));
+        QVERIFY(waitFor([&] { return difference(automatic->image, b.frame()->image) > kRounding; }));
+
+        QVERIFY(clickEntry(*menu, QStringLiteral("5")));
+        QCOMPARE(b.window->viewSettings().display().contours.interval, 5.0);
+        QVERIFY2(stateOf(b).startsWith(QStringLiteral("Contours every 5")), qPrintable(stateOf(b)));
+        QVERIFY(b.settle());
+        QVERIFY(showsWhatIsExpected(b));
+        b.key(Qt::Key_G);
+        QVERIFY(stateOf(b).isEmpty());
+        b.window->close();
+    }
+    Bench again(settings);
+    QCOMPARE(again.window->viewSettings().display().contours.interval, 5.0);
+    QMenu* const menu = menuNamed(*again.window, QStringLiteral("Contours"));
+    const auto checked = [&] {
+        QStringList texts;
+        for (const QAction* action : menu->actions())
+            if (action->isChecked()) texts << action->text();
+        return texts.join(QLatin1Char(' '));
+    };
+    QVERIFY2(checked().startsWith(QLatin1Char('5')), qPrintable(checked()));
+}
+
+/// While the surface is made the status bar tells so, and where that is cancelled, nothing says that it is shown.
+void GroundSurfaceTest::tellsThatItIsMade()
+{
+    Bench b;
+    QVERIFY(b.begin(Tool::None));
+    GroundSurface& ground = b.window->ground();
+    QAction* const show = actionNamed(*b.window, QStringLiteral("Show Ground Surface"));
+    QVERIFY(show && !show->isChecked() && stateOf(b).isEmpty());
+    const auto cancel = [&] {
+        for (const JobInfo& job : b.window->workspace().jobs().running())
+            if (job.title == "Ground surface") b.window->workspace().cancel(job.id);
+    };
+    {
+        // it cannot be made while this is held
+        const std::unique_lock lock(b.document->cloud()->mutex());
+        b.key(Qt::Key_G);
+        QVERIFY(show->isChecked());
+        QCOMPARE(stateOf(b), QStringLiteral("Making the ground surface: 0 %"));
+        cancel();
+    }
+    QVERIFY(waitFor([&] { return !ground.busy(); }));
+    QVERIFY(!ground.surface(b.document));
+    QVERIFY(!ground.isOn() && !show->isChecked());
+    QVERIFY(stateOf(b).isEmpty());
+    QVERIFY(b.window->viewSettings().display().surface == render::SurfaceLook::None);
+
+    b.key(Qt::Key_G);
+    QVERIFY(waitFor([&] { return ground.surface(b.document) && !ground.busy(); }));
+    QVERIFY(ground.isOn() && show->isChecked());
+    QVERIFY(stateOf(b).isEmpty());
 }
 
 void GroundSurfaceTest::selectsByHeight()

@@ -43,6 +43,7 @@ const QString kOwnBackground = QStringLiteral("view/ownBackground");
 const QString kSamples = QStringLiteral("view/samples");
 const QString kEyeDome = QStringLiteral("view/eyeDome");
 const QString kGroundReplaced = QStringLiteral("view/groundReplaced");
+const QString kContours = QStringLiteral("view/contours");
 const QString kBands = QStringLiteral("view/bands");
 const QString kColorMap = QStringLiteral("view/colorMap");
 const QString kBackground = QStringLiteral("view/background");
@@ -155,6 +156,7 @@ void WindowSettings::restoreView(ViewSettings& view) const
     view.setEyeDome(m_values.value(kEyeDome, 0.0).toDouble());
     view.setBands(m_values.value(kBands, 0).toInt());
     view.setGroundReplaced(m_values.value(kGroundReplaced, true).toBool());
+    view.setContourChoice(m_values.value(kContours, ViewSettings::kNoContours).toDouble());
     view.setColorMap(m_values.value(kColorMap, view.colorMap()).toString());
     view.setBackground(ViewSettings::Background(std::clamp(m_values.value(kBackground, 0).toInt(), 0, 3)));
 }
@@ -177,6 +179,7 @@ void WindowSettings::store(const QMainWindow& window, const ViewSettings& view)
     settings->setValue(kEyeDome, view.display().eyeDome);
     settings->setValue(kBands, view.display().bands);
     settings->setValue(kGroundReplaced, view.groundReplaced());
+    settings->setValue(kContours, view.contourChoice());
     settings->setValue(kColorMap, view.colorMap());
     settings->setValue(kBackground, int(view.background()));
 }

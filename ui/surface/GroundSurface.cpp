@@ -13,6 +13,7 @@
 #include "ui/section/Sections.h"
 #include "ui/select/Selection.h"
 #include "ui/style/NumberField.h"
+#include "ui/surface/ContourMenu.h"
 #include "ui/surface/SurfaceLine.h"
 #include "ui/view/ViewRenderer.h"
 #include "ui/view/ViewSettings.h"
@@ -26,6 +27,7 @@
 #include <QMainWindow>
 #include <QMenu>
 #include <QPushButton>
+#include <QStatusBar>
 #include <QVBoxLayout>
 
 #include <algorithm>
@@ -92,13 +94,20 @@ QString amountText(double amount, const QString& unit)
 }  // namespace
 
 GroundSurface::GroundSurface(const MainView& main, Menus& menus, Selection& selection)
-    : QObject(&menus.window()), m_main(main), m_menus(menus), m_selection(selection)
+    : QObject(&menus.window()), m_main(main), m_menus(menus), m_selection(selection), m_state(new QLabel)
 {
+    m_state->setObjectName(QStringLiteral("groundState"));
+    m_state->hide();
+    menus.window().statusBar()->addPermanentWidget(m_state);
+    constexpr int kTick = 100;  // ms
+    m_ticks.setInterval(kTick);
+    connect(&m_ticks, &QTimer::timeout, this, &GroundSurface::tellState);
     addMenu(menus);
     Workspace& workspace = m_main.workspace;
     connect(&workspace, &Workspace::documentLoaded, this, [this](Document* document) {
         if (m_on) ensure(*document);
     });
+    connect(&workspace, &Workspace::activeChanged, this, &GroundSurface::tellHeights);
     connect(&workspace, &Workspace::documentRemoved, this, [this](const Document* document) { forget(document); });
     connect(&workspace, &Workspace::cloudChanged, this,
             [this](Document* document, const ChangeNotice& notice) { take(*document, notice); });
@@ -127,6 +136,11 @@ void GroundSurface::addMenu(Menus& menus)
     m_hideOwn->setCheckable(true);
     m_hideOwn->setChecked(m_main.settings.groundReplaced());
     connect(m_hideOwn, &QAction::triggered, this, &GroundSurface::setOwnPointsHidden);
+    m_contours = new ContourMenu(m_main.settings, menus, *menu, this);
+    connect(m_contours, &ContourMenu::wanted, this, [this] {
+        if (!m_on) setOn(true);
+    });
+    connect(&m_main.settings, &ViewSettings::changed, this, &GroundSurface::tellState);
     // as it was remembered
     connect(&m_main.settings, &ViewSettings::changed, this, [this] {
         if (m_hideOwn->isChecked() == m_main.settings.groundReplaced()) return;
@@ -183,8 +197,9 @@ void GroundSurface::setOn(bool on)
     m_show->setChecked(on);
     applyLook();
     findLine();
-    if (!on) return;
-    for (Document* document : m_main.workspace.documents()) ensure(*document);
+    if (on)
+        for (Document* document : m_main.workspace.documents()) ensure(*document);
+    tellState();
 }
 
 void GroundSurface::setTinted(bool tinted)
@@ -226,6 +241,7 @@ void GroundSurface::setClasses(const std::bitset<256>& classes)
         if (entry.document) m_main.renderer.setSurface(entry.document->cloud(), nullptr);
     }
     m_entries.clear();
+    tellHeights();
     applyLook();
     if (m_on) setOn(true);
 }
@@ -250,6 +266,58 @@ void GroundSurface::forget(const Document* document)
     if (found == m_entries.end()) return;
     if (found->second.job != 0) m_main.workspace.cancel(found->second.job);
     m_entries.erase(found);
+    tellHeights();
+}
+
+/// Where nothing of it is left, it is off: a check mark would promise what does not come.
+void GroundSurface::lose(const Document* document)
+{
+    m_entries.erase(document);
+    tellHeights();
+    if (m_on && m_entries.empty()) setOn(false);
+}
+
+void GroundSurface::tellHeights()
+{
+    const auto unitOf = [](const PointCloud& cloud) { return toQString(cloud.units().vertical); };
+    const Document* const active = m_main.workspace.active();
+    double range = 0;
+    QString unit = active ? unitOf(*active->cloud()) : QString();
+    for (const auto& [document, entry] : m_entries) {
+        if (!entry.surface) continue;
+        const auto view = entry.surface->view();
+        const double own = (view->high - view->low) * entry.surface->cloud().coordinates().scale.z;
+        if (own < range) continue;
+        range = own;
+        unit = unitOf(entry.surface->cloud());
+    }
+    m_contours->setHeights(range, unit);
+    tellState();
+}
+
+void GroundSurface::tellState()
+{
+    constexpr double kSorting = 0.2;  // of the time that it takes, about
+    double share = 0;
+    int made = 0;
+    const std::vector<JobInfo> running = m_main.workspace.jobs().running();
+    for (const auto& [document, entry] : m_entries) {
+        if (!entry.beingMade()) continue;
+        ++made;
+        for (const JobInfo& job : running)
+            if (job.id == entry.job)
+                share += job.stage == Surface::kTilesStage ? kSorting + (1 - kSorting) * job.fraction
+                                                           : kSorting * job.fraction;
+    }
+    QString text;
+    if (m_on && made > 0)
+        text = tr("Making the ground surface: %1 %").arg(int(100 * share / made));
+    else if (m_on && !m_entries.empty())
+        text = m_contours->text();
+    if (made > 0 && !m_ticks.isActive()) m_ticks.start();
+    if (made == 0) m_ticks.stop();
+    m_state->setText(text);
+    m_state->setVisible(!text.isEmpty());
 }
 
 void GroundSurface::ensure(Document& document)
@@ -275,14 +343,12 @@ void GroundSurface::ensure(Document& document)
             if (found == m_entries.end() || found->second.job != info.id) return;
             found->second.job = 0;
             if (info.state == JobState::Failed) m_main.workspace.say(MessageKind::Warning, toQString(info.error));
-            if (info.state != JobState::Finished) {
-                m_entries.erase(found);
-                return;
-            }
+            if (info.state != JobState::Finished) return lose(key);
             found->second.surface = *made;
             show(found->second);
             update(found->second);
         });
+    tellState();
 }
 
 void GroundSurface::take(Document& document, const ChangeNotice& notice)
@@ -320,8 +386,7 @@ void GroundSurface::update(Entry& entry)
             if (info.state == JobState::Failed) m_main.workspace.say(MessageKind::Warning, toQString(info.error));
             if (info.state != JobState::Finished) {
                 m_main.renderer.setSurface(found->second.document->cloud(), nullptr);
-                m_entries.erase(found);  // it is not known any longer what it shows
-                return;
+                return lose(key);  // it is not known any longer what it shows
             }
             show(found->second);
             update(found->second);
@@ -332,6 +397,7 @@ void GroundSurface::update(Entry& entry)
 void GroundSurface::show(const Entry& entry)
 {
     if (!entry.document || !entry.surface) return;
+    tellHeights();
     m_main.renderer.setSurface(entry.document->cloud(), entry.surface->view());
     emit updated();
 }

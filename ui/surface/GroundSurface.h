@@ -11,6 +11,7 @@
 #include <QObject>
 #include <QPointer>
 #include <QString>
+#include <QTimer>
 
 #include <bitset>
 #include <functional>
@@ -18,16 +19,18 @@
 #include <memory>
 
 class QAction;
+class QLabel;
 
 namespace punctum::ui
 {
 
+class ContourMenu;
 class Menus;
 class Sections;
 class Selection;
 
-/// The ground surface of what is open: whether the view shows it and how, of which classes it is made, and what is
-/// asked of it (points above or below it, volumes). It follows each edit.
+/// The ground surface of what is open: whether the view shows it and how, with which contours, of which classes it
+/// is made, and what is asked of it (points above or below it, volumes). It follows each edit.
 ///
 /// GUI thread only; a child of the window. Surfaces are made and brought up to date by jobs, one after the other
 /// for each document.
@@ -74,6 +77,8 @@ private:
         JobId job = 0;
         std::shared_ptr<PointSet> changed;  ///< since the surface was asked for last
         bool all = false;                   ///< more than these: everything
+
+        bool beingMade() const noexcept { return job != 0 && !surface; }
     };
 
     void addMenu(Menus& menus);
@@ -83,6 +88,11 @@ private:
     void update(Entry& entry);
     void show(const Entry& entry);
     void forget(const Document* document);
+    /// A surface will not come, or is none any longer.
+    void lose(const Document* document);
+    /// Tells contours and status bar what is shown.
+    void tellHeights();
+    void tellState();
     void findLine();
     void chooseClasses();
     void askSelection();
@@ -100,6 +110,9 @@ private:
     QAction* m_tint = nullptr;
     QAction* m_onTop = nullptr;
     QAction* m_hideOwn = nullptr;
+    ContourMenu* m_contours = nullptr;
+    QLabel* m_state;  ///< in the status bar, while there is something to say
+    QTimer m_ticks;   ///< while a surface is made
     QPointer<QDialog> m_dialog;
     Sections* m_sections = nullptr;
     QPointer<SurfaceLine> m_line;

@@ -147,6 +147,16 @@ void ViewSettings::setGroundReplaced(bool replaced)
     set(m_groundReplaced, replaced);
 }
 
+void ViewSettings::setContourChoice(double choice)
+{
+    if (choice == kSuitableContours || (std::isfinite(choice) && choice >= 0)) set(m_contourChoice, choice);
+}
+
+void ViewSettings::setContours(double interval)
+{
+    if (std::isfinite(interval) && interval >= 0) set(m_display.contours.interval, interval);
+}
+
 void ViewSettings::setBands(int bands)
 {
     set(m_display.bands, bands < 2 ? 0 : std::min(bands, 64));

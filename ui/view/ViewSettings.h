@@ -51,6 +51,12 @@ public:
     void setEyeDome(double strength);
     /// The ground surface, whether points are seen through it, and of which classes they give way to it.
     void setSurface(render::SurfaceLook look, bool pointsOnTop, const std::bitset<256>& replaces);
+    /// Which contours it has: kNoContours, kSuitableContours, or an interval in units of Z. Remembered.
+    static constexpr double kNoContours = 0, kSuitableContours = -1;
+    void setContourChoice(double choice);
+    double contourChoice() const noexcept { return m_contourChoice; }
+    /// The interval of those that are drawn; 0: none.
+    void setContours(double interval);
     /// Whether the ground's own points give way to the surface; so at first.
     void setGroundReplaced(bool replaced);
     bool groundReplaced() const noexcept { return m_groundReplaced; }
@@ -87,6 +93,7 @@ private:
     render::Rgba8 m_ownBackground{46, 60, 84, 255};
     std::array<bool, 256> m_classLocked{};
     bool m_groundReplaced = true;
+    double m_contourChoice = kNoContours;
 };
 
 }  // namespace punctum::ui

@@ -388,6 +388,7 @@ render::DisplaySettings Viewport::displayFor(double scale) const
 {
     render::DisplaySettings display = m_settings.display();
     display.pointSize *= scale;  // chosen in logical px
+    display.contours.width *= scale;
     display.cuts = m_cuts;
     if (m_flat) display.surface = render::SurfaceLook::None;  // a slab shows hardly anything of it
     return display;
