@@ -7,6 +7,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -27,7 +28,7 @@ public:
     std::size_t buckets() const noexcept { return m_start.size() - 1; }
     /// How many points it has.
     std::size_t size() const noexcept { return m_order.size(); }
-    /// Rising.
+    /// Rising, or by cells after sortByCells().
     std::span<const std::uint32_t> points(std::size_t bucket) const noexcept
     {
         return {m_order.data() + m_start[bucket], m_start[bucket + 1] - m_start[bucket]};
@@ -45,28 +46,20 @@ public:
     template <typename F>
     void forEachCell(const std::string& stage, Progress& progress, F&& f) const
     {
-        progress.begin(stage, size());
-        tbb::parallel_for(
-            tbb::blocked_range<std::size_t>(0, buckets(), 1),
-            [&](const auto& range) {
-                Sorted sorted;
-                for (std::size_t b = range.begin(); b != range.end() && !progress.cancelled(); ++b) {
-                    if (!sortBucket(b, sorted, progress)) return;
-                    std::size_t told = 0, looked = 0;
-                    for (std::size_t c = 0; c < sorted.keys.size(); ++c) {
-                        const std::span<const std::uint32_t> all(sorted.points);
-                        f(b, sorted.keys[c], all.subspan(sorted.first[c], sorted.first[c + 1] - sorted.first[c]));
-                        looked = sorted.first[c + 1];
-                        if (looked - told < kCheck) continue;
-                        progress.add(looked - told);
-                        told = looked;
-                        if (progress.cancelled()) return;
-                    }
-                    progress.add(looked - told);
-                }
-            },
-            tbb::simple_partitioner());
-        progress.check();
+        forSortedBuckets(stage, progress, [&](std::size_t b, const Sorted& sorted) {
+            return tellCells(b, sorted, std::span<const std::uint32_t>(sorted.points), progress, f);
+        });
+    }
+    /// The same, and from then on the points of each bucket lie by cells: f may keep the points it is told, which
+    /// stay where they are, and change their order. No memory beside that of the buckets in work.
+    template <typename F>
+    void sortByCells(const std::string& stage, Progress& progress, F&& f)
+    {
+        forSortedBuckets(stage, progress, [&](std::size_t b, const Sorted& sorted) {
+            const std::span<std::uint32_t> own(m_order.data() + m_start[b], m_start[b + 1] - m_start[b]);
+            std::copy(sorted.points.begin(), sorted.points.end(), own.begin());
+            return tellCells(b, sorted, own, progress, f);
+        });
     }
 
 private:
@@ -81,6 +74,38 @@ private:
     };
     /// False when cancelled meanwhile.
     bool sortBucket(std::size_t bucket, Sorted& sorted, const Progress& progress) const;
+    /// Calls work(bucket, sorted) for each bucket, in parallel, until one gives false.
+    template <typename Work>
+    void forSortedBuckets(const std::string& stage, Progress& progress, const Work& work) const
+    {
+        progress.begin(stage, size());
+        tbb::parallel_for(
+            tbb::blocked_range<std::size_t>(0, buckets(), 1),
+            [&](const auto& range) {
+                Sorted sorted;
+                for (std::size_t b = range.begin(); b != range.end() && !progress.cancelled(); ++b)
+                    if (!sortBucket(b, sorted, progress) || !work(b, sorted)) return;
+            },
+            tbb::simple_partitioner());
+        progress.check();
+    }
+    /// Calls f(bucket, key, points) for the cells of a sorted bucket; false when cancelled meanwhile.
+    template <typename Index, typename F>
+    static bool tellCells(std::size_t bucket, const Sorted& sorted, std::span<Index> points, Progress& progress,
+                          F&& f)
+    {
+        std::size_t told = 0, looked = 0;
+        for (std::size_t c = 0; c < sorted.keys.size(); ++c) {
+            f(bucket, sorted.keys[c], points.subspan(sorted.first[c], sorted.first[c + 1] - sorted.first[c]));
+            looked = sorted.first[c + 1];
+            if (looked - told < kCheck) continue;
+            progress.add(looked - told);
+            told = looked;
+            if (progress.cancelled()) return false;
+        }
+        progress.add(looked - told);
+        return true;
+    }
     unsigned chooseBlocks(const PointSet* leftOut) const;
 
     const WorldGrid* m_grid;

@@ -10,14 +10,34 @@
 namespace punctum
 {
 
-KeptPoints::KeptPoints(std::vector<PointRange> ranges) : m_ranges(std::move(ranges))
+namespace
 {
-    std::erase_if(m_ranges, [](const PointRange& r) { return r.empty(); });
-    m_before.reserve(m_ranges.size());
-    for (const PointRange& r : m_ranges) {
-        m_before.push_back(m_count);
-        m_count += r.size();
+
+/// How many runs of no members begin in a set.
+std::size_t gapsIn(const PointSet& set)
+{
+    std::size_t gaps = 0;
+    std::uint64_t before = ~std::uint64_t(0);
+    for (const std::uint64_t word : set.words()) {
+        gaps += std::size_t(std::popcount(~word & (word << 1 | before >> 63)));
+        before = word;
     }
+    return gaps;
+}
+
+}  // namespace
+
+KeptPoints::KeptPoints(std::vector<PointRange> ranges)
+{
+    auto runs = std::make_shared<Runs>();
+    runs->ranges = std::move(ranges);
+    std::erase_if(runs->ranges, [](const PointRange& r) { return r.empty(); });
+    runs->before.reserve(runs->ranges.size());
+    for (const PointRange& r : runs->ranges) {
+        runs->before.push_back(runs->count);
+        runs->count += r.size();
+    }
+    m_runs = std::move(runs);
 }
 
 KeptPoints KeptPoints::without(const PointSet& leftOut) const
@@ -33,7 +53,9 @@ KeptPoints KeptPoints::without(const PointSet& leftOut) const
         return last;
     };
     std::vector<PointRange> ranges;
-    for (const PointRange& r : m_ranges)
+    // At once: of a thinned cloud there are many, and a list that grows takes three times its memory meanwhile.
+    ranges.reserve(gapsIn(leftOut) + this->ranges().size());
+    for (const PointRange& r : this->ranges())
         for (PointIndex i = next(r.first, r.last, false); i < r.last; i = next(i, r.last, false)) {
             ranges.push_back({i, next(i, r.last, true)});
             i = ranges.back().last;
@@ -43,30 +65,31 @@ KeptPoints KeptPoints::without(const PointSet& leftOut) const
 
 std::size_t KeptPoints::runOf(PointIndex place) const noexcept
 {
-    return std::size_t(std::upper_bound(m_before.begin(), m_before.end(), place) - m_before.begin()) - 1;
+    const auto& before = m_runs->before;
+    return std::size_t(std::upper_bound(before.begin(), before.end(), place) - before.begin()) - 1;
 }
 
 PointIndex KeptPoints::index(PointIndex place) const noexcept
 {
     const std::size_t k = runOf(place);
-    return m_ranges[k].first + (place - m_before[k]);
+    return ranges()[k].first + (place - m_runs->before[k]);
 }
 
 PointIndex KeptPoints::placeOf(PointIndex index) const noexcept
 {
-    const auto after = std::upper_bound(m_ranges.begin(), m_ranges.end(), index,
+    const auto after = std::upper_bound(ranges().begin(), ranges().end(), index,
                                         [](PointIndex i, const PointRange& r) { return i < r.first; });
-    if (after == m_ranges.begin()) return 0;
-    const auto k = std::size_t(after - m_ranges.begin()) - 1;
-    return m_before[k] + std::min(index - m_ranges[k].first, m_ranges[k].size());
+    if (after == ranges().begin()) return 0;
+    const auto k = std::size_t(after - ranges().begin()) - 1;
+    return m_runs->before[k] + std::min(index - ranges()[k].first, ranges()[k].size());
 }
 
 PointSet KeptPoints::places(const PointSet& points) const
 {
-    PointSet places(m_count);
-    for (std::size_t k = 0; k < m_ranges.size(); ++k)
-        for (PointIndex i = m_ranges[k].first; i < m_ranges[k].last; ++i)
-            if (points.contains(i)) places.insert(m_before[k] + (i - m_ranges[k].first));
+    PointSet places(count());
+    for (std::size_t k = 0; k < ranges().size(); ++k)
+        for (PointIndex i = ranges()[k].first; i < ranges()[k].last; ++i)
+            if (points.contains(i)) places.insert(m_runs->before[k] + (i - ranges()[k].first));
     return places;
 }
 

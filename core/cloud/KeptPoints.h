@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace punctum
@@ -13,19 +14,20 @@ namespace punctum
 class PointSet;
 
 /// Those points of a cloud that a file holds, in their order: all, or all but deleted and unreadable ones. Maps
-/// their places in the file to indices of the cloud and back. Immutable; some 24 bytes for each run of points.
+/// their places in the file to indices of the cloud and back. Immutable; 24 bytes for each run of points, which
+/// copies share.
 class KeptPoints
 {
 public:
-    KeptPoints() = default;
+    KeptPoints() : KeptPoints(std::vector<PointRange>()) {}
     /// `ranges`: of the cloud, rising, without overlap.
     explicit KeptPoints(std::vector<PointRange> ranges);
     static KeptPoints all(PointIndex points) { return KeptPoints({{0, points}}); }
     /// Without the members of `leftOut`.
     KeptPoints without(const PointSet& leftOut) const;
 
-    const std::vector<PointRange>& ranges() const noexcept { return m_ranges; }
-    PointIndex count() const noexcept { return m_count; }
+    const std::vector<PointRange>& ranges() const noexcept { return m_runs->ranges; }
+    PointIndex count() const noexcept { return m_runs->count; }
     /// Index in the cloud of the point at `place`, which is less than count().
     PointIndex index(PointIndex place) const noexcept;
     /// How many kept points come before this index of the cloud: its place, if it is kept.
@@ -38,8 +40,9 @@ public:
     void forEachRun(PointRange places, F&& f) const
     {
         for (std::size_t k = places.empty() ? 0 : runOf(places.first); !places.empty(); ++k) {
-            const PointIndex first = m_ranges[k].first + (places.first - m_before[k]);
-            const PointIndex n = std::min(places.size(), m_ranges[k].last - first);
+            const PointRange& run = m_runs->ranges[k];
+            const PointIndex first = run.first + (places.first - m_runs->before[k]);
+            const PointIndex n = std::min(places.size(), run.last - first);
             f(PointRange{first, first + n}, places.first);
             places.first += n;
         }
@@ -48,9 +51,12 @@ public:
 private:
     std::size_t runOf(PointIndex place) const noexcept;
 
-    std::vector<PointRange> m_ranges;  ///< none is empty
-    std::vector<PointIndex> m_before;  ///< kept points before each of them
-    PointIndex m_count = 0;
+    struct Runs {
+        std::vector<PointRange> ranges;  ///< none is empty
+        std::vector<PointIndex> before;  ///< kept points before each of them
+        PointIndex count = 0;
+    };
+    std::shared_ptr<const Runs> m_runs;  ///< never null
 };
 
 }  // namespace punctum

@@ -50,14 +50,35 @@ template <typename T, typename Add>
 T reducePoints(const std::vector<PointRange>& ranges, Progress& progress, const Add& add)
 {
     constexpr PointIndex kPiece = 1 << 16;
-    std::vector<PointRange> pieces;  // of a few long ranges, or of millions of short ones
-    for (const PointRange& range : ranges)
-        for (PointIndex first = range.first; first < range.last; first += kPiece)
-            pieces.push_back({first, std::min(first + kPiece, range.last)});
+    struct Piece {  // where one begins: in a long range, or with the first of many short ones
+        std::size_t range = 0;
+        PointIndex first = 0;
+    };
+    std::vector<Piece> pieces;
+    PointIndex left = 0;
+    for (std::size_t k = 0; k < ranges.size(); ++k)
+        for (PointIndex first = ranges[k].first; first < ranges[k].last;) {
+            if (left == 0) {
+                pieces.push_back({k, first});
+                left = kPiece;
+            }
+            const PointIndex count = std::min(left, ranges[k].last - first);
+            first += count;
+            left -= count;
+        }
+    const auto addPiece = [&](T& t, Piece at) {
+        for (PointIndex rest = kPiece; rest > 0;) {
+            const PointIndex count = std::min(rest, ranges[at.range].last - at.first);
+            if (count > 0) add(t, PointRange{at.first, at.first + count});
+            rest -= count;
+            if (++at.range == ranges.size()) return;
+            at.first = ranges[at.range].first;
+        }
+    };
     const T all = tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, pieces.size()), T{},
         [&](const tbb::blocked_range<std::size_t>& r, T t) {
-            for (std::size_t k = r.begin(); k != r.end() && !progress.cancelled(); ++k) add(t, pieces[k]);
+            for (std::size_t k = r.begin(); k != r.end() && !progress.cancelled(); ++k) addPiece(t, pieces[k]);
             return t;
         },
         [](T a, const T& b) {

@@ -104,4 +104,14 @@ std::shared_ptr<const PointSet> pointsLeftOut(const PointCloud& cloud, bool nois
     return all;
 }
 
+std::shared_ptr<const PointSet> pointsOutside(const PointCloud& cloud, const PointSet* within)
+{
+    std::shared_ptr<const PointSet> deleted = deletedPoints(cloud);
+    if (within == nullptr) return deleted;
+    auto out = std::make_shared<PointSet>(*within);
+    out->invert();
+    if (deleted) out->insert(*deleted);
+    return out;
+}
+
 }  // namespace punctum

@@ -30,5 +30,8 @@ std::unique_ptr<Command> markPoints(const std::string& name, const PointCloud& c
 /// The points that are no points for a step: deleted ones; with `noise`, also those of the classes 7 and 18. Null:
 /// none is. Throws Cancelled.
 std::shared_ptr<const PointSet> pointsLeftOut(const PointCloud& cloud, bool noise, Progress& progress);
+/// The points that a step does not look at which looks at those of `within` alone: the others, and deleted ones.
+/// Null: it looks at all.
+std::shared_ptr<const PointSet> pointsOutside(const PointCloud& cloud, const PointSet* within);
 
 }  // namespace punctum

@@ -20,9 +20,8 @@ constexpr std::size_t kDartsOfAPass = 1
 
 struct DiskTile {
     CellKey key{};
-    std::uint32_t bucket = 0;
-    std::uint32_t first = 0, count = 0;  ///< in the bucket's list
-    std::uint32_t kept = 0;              ///< of these, the first ones, once the tile is done
+    std::uint32_t kept = 0;           ///< of the points, the first ones, once the tile is done
+    std::span<std::uint32_t> points;  ///< where they lie in the order by cells
 };
 
 /// Rows of cells along x, by their numbers on the board, in and around a row: the nearest first, since most points
@@ -156,19 +155,20 @@ class DiskTiles
 {
 public:
     DiskTiles(const PointCloud& cloud, double radius, const PointSet* leftOut, Progress& progress)
-        : m_grid(cloud, radius * kSide * kRoomier), m_radius(radius)
+        : m_grid(cloud, radius * kSide * kRoomier), m_radius(radius), m_order(m_grid, leftOut, progress)
     {
-        const CellOrder order(m_grid, leftOut, progress);
-        m_points.resize(order.buckets());
-        std::vector<std::vector<DiskTile>> tiles(order.buckets());
-        order.forEachCell("Sorting points into tiles", progress,
-                          [&](std::size_t b, const CellKey& key, std::span<const std::uint32_t> points) {
-                              tiles[b].push_back({key, std::uint32_t(b), std::uint32_t(m_points[b].size()),
-                                                  std::uint32_t(points.size())});
-                              m_points[b].insert(m_points[b].end(), points.begin(), points.end());
-                          });
-        for (const auto& some : tiles) m_tiles.insert(m_tiles.end(), some.begin(), some.end());
-        m_total = order.size();
+        std::vector<std::vector<DiskTile>> tiles(m_order.buckets());
+        m_order.sortByCells("Sorting points into tiles", progress,
+                            [&](std::size_t b, const CellKey& key, std::span<std::uint32_t> points) {
+                                tiles[b].push_back({key, 0, points});
+                            });
+        std::size_t count = 0;
+        for (const auto& some : tiles) count += some.size();
+        m_tiles.reserve(count);
+        for (auto& some : tiles) {
+            m_tiles.insert(m_tiles.end(), some.begin(), some.end());
+            some = {};
+        }
     }
 
     std::shared_ptr<PointSet> choose(PointIndex size, Progress& progress)
@@ -181,7 +181,7 @@ public:
             const auto cell = m_grid.absolute(m_tiles[t].key);
             groups[std::size_t((cell[0] & 1) | (cell[1] & 1) << 1 | (cell[2] & 1) << 2)].push_back(t);
         }
-        progress.begin("Choosing points", m_total);
+        progress.begin("Choosing points", m_order.size());
         for (const auto& group : groups)
             tbb::parallel_for(tbb::blocked_range<std::size_t>(0, group.size(), 8), [&](const auto& range) {
                 DartBoard board(m_grid, m_radius);
@@ -194,14 +194,10 @@ public:
     }
 
 private:
-    std::span<std::uint32_t> pointsOf(const DiskTile& tile)
-    {
-        return {m_points[tile.bucket].data() + tile.first, tile.count};
-    }
     void throwDarts(DiskTile& tile, const CellTable<std::uint32_t>& places, DartBoard& board, DartOrder& darts,
                     PointSet& kept, Progress& progress)
     {
-        const std::span<std::uint32_t> points = pointsOf(tile);
+        const std::span<std::uint32_t> points = tile.points;
         if (!darts.sort(m_grid, points, progress)) return;
         board.begin(tile.key);
         for (std::uint32_t k = 0; k < 27; ++k) {
@@ -209,7 +205,7 @@ private:
                 places.find({tile.key[0] + k % 3 - 1, tile.key[1] + k / 3 % 3 - 1, tile.key[2] + k / 9 - 1});
             if (beside == nullptr || k == 13) continue;
             const DiskTile& other = m_tiles[*beside];
-            for (const std::uint32_t p : pointsOf(other).first(other.kept)) board.add(p);
+            for (const std::uint32_t p : other.points.first(other.kept)) board.add(p);
         }
         std::uint32_t count = 0;
         for (std::size_t k = 0; k < points.size(); ++k) {
@@ -224,9 +220,8 @@ private:
 
     WorldGrid m_grid;
     double m_radius;
-    std::vector<std::vector<std::uint32_t>> m_points;  ///< of each bucket, by tiles
+    CellOrder m_order;  ///< by tiles, in the tiles that are done those that are kept first
     std::vector<DiskTile> m_tiles;
-    std::size_t m_total = 0;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/thin/Thin.h"
 
+#include "core/process/Marking.h"
 #include "core/process/Values.h"
 #include "core/thin/Choices.h"
 #include "core/thin/Thinned.h"
@@ -83,7 +84,7 @@ const StepDescription& ThinStep::description() const
 std::unique_ptr<Command> ThinStep::make(const PointCloud& cloud, const StepValues& values, const PointSet* within,
                                         Progress& progress) const
 {
-    const auto leftOut = notThinned(cloud, within, progress);
+    const auto leftOut = pointsOutside(cloud, within);
     const std::string method = textValue(values, "method");
     std::shared_ptr<PointSet> kept;
     if (method == "distance")

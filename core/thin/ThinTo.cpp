@@ -202,7 +202,7 @@ const StepDescription& ThinToStep::description() const
 std::unique_ptr<Command> ThinToStep::make(const PointCloud& cloud, const StepValues& values, const PointSet* within,
                                           Progress& progress) const
 {
-    const auto leftOut = notThinned(cloud, within, progress);
+    const auto leftOut = pointsOutside(cloud, within);
     const PointIndex all = cloud.size() - (leftOut ? leftOut->count() : 0);
     const PointIndex count = wantedNumber(values, cloud, leftOut.get());
     if (count == all) return nullptr;

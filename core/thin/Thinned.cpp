@@ -58,17 +58,6 @@ std::vector<StepParameter> thinnedParameters()
         doClassParameter("", "The class of points that are not kept.")};
 }
 
-std::shared_ptr<const PointSet> notThinned(const PointCloud& cloud, const PointSet* within, Progress& progress)
-{
-    progress.check();
-    std::shared_ptr<const PointSet> deleted = deletedPoints(cloud);
-    if (within == nullptr) return deleted;
-    auto out = std::make_shared<PointSet>(*within);
-    out->invert();
-    if (deleted) out->insert(*deleted);
-    return out;
-}
-
 std::unique_ptr<Command> thinTo(const std::string& name, const PointCloud& cloud, const PointSet& kept,
                                 const PointSet* leftOut, const StepValues& values, Progress& progress)
 {

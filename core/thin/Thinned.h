@@ -18,8 +18,6 @@ class Progress;
 
 /// do= and class=.
 std::vector<StepParameter> thinnedParameters();
-/// The points that a step does not look at: deleted ones, and all but those of `within`. Null: it looks at all.
-std::shared_ptr<const PointSet> notThinned(const PointCloud& cloud, const PointSet* within, Progress& progress);
 /// The command that deletes or marks the points that are neither kept nor left out, or that writes the attribute
 /// Kept (1, or 0 for them); null when all points are kept. Throws Error and Cancelled.
 std::unique_ptr<Command> thinTo(const std::string& name, const PointCloud& cloud, const PointSet& kept,
