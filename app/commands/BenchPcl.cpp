@@ -8,8 +8,10 @@
 #include <pcl/point_types.h>
 #include <pcl/search/kdtree.h>
 #include <pcl/segmentation/extract_clusters.h>
+#include <pcl/segmentation/region_growing.h>
 
 #include <functional>
+#include <numbers>
 #include <thread>
 #include <utility>
 
@@ -79,6 +81,26 @@ std::function<void()> workOf(const std::string& step, const PclPeer::Values& val
             clusters.setMinClusterSize(int(number("points")));
             std::vector<pcl::PointIndices> found;
             clusters.extract(found);
+        };
+    if (step == "planes")
+        return [=] {
+            const auto tree = std::make_shared<PclTree>();
+            pcl::NormalEstimationOMP<pcl::PointXYZ, pcl::Normal> estimation(std::thread::hardware_concurrency());
+            estimation.setInputCloud(cloud);
+            estimation.setSearchMethod(tree);
+            estimation.setKSearch(int(number("neighbors")));
+            const auto normals = std::make_shared<pcl::PointCloud<pcl::Normal>>();
+            estimation.compute(*normals);
+            pcl::RegionGrowing<pcl::PointXYZ, pcl::Normal> growing;
+            growing.setInputCloud(cloud);
+            growing.setInputNormals(normals);
+            growing.setSearchMethod(tree);
+            growing.setNumberOfNeighbours(unsigned(number("neighbors")));
+            growing.setSmoothnessThreshold(float(number("angle") * std::numbers::pi / 180));
+            growing.setCurvatureThreshold(0.06F);  // what planes leaves out as not flat
+            growing.setMinClusterSize(int(number("points")));
+            std::vector<pcl::PointIndices> found;
+            growing.extract(found);
         };
     return {};
 }

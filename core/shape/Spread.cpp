@@ -26,24 +26,29 @@ double dotOf(const Vector& a, const Vector& b)
 
 }  // namespace
 
+SpreadSums SpreadSums::scaled(const std::array<double, 3>& units) const noexcept
+{
+    const auto& [ux, uy, uz] = units;
+    const auto& p = products;
+    return {count,
+            {sum[0] * ux, sum[1] * uy, sum[2] * uz},
+            {p[0] * ux * ux, p[1] * ux * uy, p[2] * ux * uz, p[3] * uy * uy, p[4] * uy * uz, p[5] * uz * uz}};
+}
+
 Spread spreadOf(std::span<const std::array<float, 3>> points) noexcept
 {
+    SpreadSums sums;
+    for (const auto& p : points) sums.add(double(p[0]), double(p[1]), double(p[2]));
+    return spreadOfSums(sums);
+}
+
+Spread spreadOfSums(const SpreadSums& sums) noexcept
+{
     Spread spread;
-    if (points.empty()) return spread;
-    double x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-    for (const auto& p : points) {
-        const auto px = double(p[0]), py = double(p[1]), pz = double(p[2]);
-        x += px;
-        y += py;
-        z += pz;
-        xx += px * px;
-        xy += px * py;
-        xz += px * pz;
-        yy += py * py;
-        yz += py * pz;
-        zz += pz * pz;
-    }
-    const double n = 1.0 / double(points.size());
+    if (!(sums.count > 0)) return spread;
+    const auto& [x, y, z] = sums.sum;
+    const auto& [xx, xy, xz, yy, yz, zz] = sums.products;
+    const double n = 1.0 / sums.count;
     spread.mean = {x * n, y * n, z * n};
     const auto& m = spread.mean;
     // of a symmetric matrix: the diagonal, and what is beside it
@@ -63,7 +68,7 @@ Spread spreadOf(std::span<const std::array<float, 3>> points) noexcept
     constexpr double kThird = 2.0943951023931954923;  // of a turn
     const double most = middle + 2 * p * std::cos(angle), least = middle + 2 * p * std::cos(angle + kThird);
     spread.values = {std::max(0.0, least), std::max(0.0, 3 * middle - most - least), std::max(0.0, most)};
-    if (points.size() < 3 || spread.values[1] <= kOnALine * spread.values[2]) return spread;
+    if (sums.count < 3 || spread.values[1] <= kOnALine * spread.values[2]) return spread;
     // Rows of the matrix less the eigenvalue are at right angles to its vector; the longest product is the best
     // told.
     const std::array<Vector, 3> rows = {Vector{d[0] - least, a, b}, Vector{a, d[1] - least, c},

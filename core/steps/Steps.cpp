@@ -21,6 +21,7 @@
 #include "core/shape/Clusters.h"
 #include "core/shape/Features.h"
 #include "core/shape/Normals.h"
+#include "core/shape/Planes.h"
 #include "core/thin/Thin.h"
 #include "core/thin/ThinTo.h"
 
@@ -50,6 +51,7 @@ std::vector<const Step*> makeSteps()
     static const TreesStep trees;
     static const RadiusOutliersStep radiusOutliers;
     static const ClustersStep clusters;
+    static const PlanesStep planes;
     static const NormalsStep normals;
     static const FeaturesStep features;
     static const SplatRadiusStep splatRadius;
@@ -63,7 +65,7 @@ std::vector<const Step*> makeSteps()
         &outliers,   &radiusOutliers, &isolated,    &low,      &strays, &duplicates,  // cleaning
         &thin,       &thinTo,                                                         // thinning
         &ground,     &height,                                                         // ground
-        &buildings,  &vegetation,     &trees,       &clusters,                        // objects
+        &buildings,  &vegetation,     &trees,       &clusters, &planes,               // objects
         &normals,    &features,       &splatRadius,                                   // shape
         &reclassify, &setByRule,                                                      // classes
         &deleteStep, &restore,                                                        // points

@@ -149,6 +149,8 @@ Claim claimOf(const JournalEntry& entry, const State& before)
         names = {{"SplatRadius", true}};
     } else if (recipe.step == "clusters") {
         names = {{"ClusterId", true}};
+    } else if (recipe.step == "planes") {
+        names = {{"PlaneId", true}};
     } else if (recipe.step == "outliers" || recipe.step == "radius-outliers" || recipe.step == "ground" ||
                recipe.step == "reclassify") {
         names = {{"Classification", false}};

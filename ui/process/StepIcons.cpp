@@ -16,7 +16,7 @@ namespace
 {
 
 /// Steps, by what their names have in them, whose picture is not that of their group.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 25> kPictures = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 26> kPictures = {{
     {"above", "step-height"},
     {"height", "step-height"},
     {"vegetation", "step-vegetation"},
@@ -28,6 +28,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 25> kPicture
     {"feature", "step-features"},
     {"splat", "step-splats"},
     {"cluster", "step-clusters"},
+    {"plane", "step-planes"},
     {"low", "step-low"},
     {"stray", "step-stray"},
     {"isolated", "step-isolated"},
