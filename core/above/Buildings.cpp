@@ -69,17 +69,21 @@ PointSet lastReturnsAbove(const PointCloud& cloud, PointSet points, const std::v
 
 /// For each point of a piece, from high to low bits: the piece, the cell, whether it is level, whether it is lower
 /// than a roof. Sorted.
-std::vector<std::uint64_t> keysOfPieces(const CellGrid& grid, const PointSet& points, const RoofPieces& pieces,
-                                        const std::vector<float>& heights, double least, const Progress& progress)
+std::vector<std::uint64_t> keysOfPieces(const CellGrid& grid, const PointSet& points, const PointRanks& ranks,
+                                        const RoofPieces& pieces, const std::vector<float>& heights, double least,
+                                        const Progress& progress)
 {
     static_assert(CellGrid::kMostCells <= std::size_t(1) << 30);
     std::vector<std::uint64_t> keys;
+    keys.reserve(std::size_t(
+        std::count_if(pieces.pieceOf.begin(), pieces.pieceOf.end(), [](auto p) { return p != kNoPiece; })));
     for (std::size_t word = 0; word < points.words().size(); ++word) {
         if (word % kTaskWords == 0) progress.check();
         points.forEachInWords(word, word + 1, [&](PointIndex i) {
-            if (pieces.pieceOf[i] == kNoPiece) return;
-            keys.push_back(std::uint64_t(pieces.pieceOf[i]) << 32 | std::uint64_t(grid.cellOf(i)) << 2 |
-                           std::uint64_t(pieces.level[i]) << 1 | std::uint64_t(double(heights[i]) < least));
+            const std::uint32_t rank = ranks(i);
+            if (pieces.pieceOf[rank] == kNoPiece) return;
+            keys.push_back(std::uint64_t(pieces.pieceOf[rank]) << 32 | std::uint64_t(grid.cellOf(i)) << 2 |
+                           std::uint64_t(pieces.level[rank]) << 1 | std::uint64_t(double(heights[i]) < least));
         });
     }
     // A long sorting has to stop when it is asked to: by way of the comparison.
@@ -96,12 +100,12 @@ struct Roofs {
     std::vector<std::uint8_t> cells;
 };
 
-Roofs roofsOf(const CellGrid& grid, const PointSet& points, const RoofPieces& pieces,
+Roofs roofsOf(const CellGrid& grid, const PointSet& points, const PointRanks& ranks, const RoofPieces& pieces,
               const std::vector<float>& heights, double least, double leastArea, const Progress& progress)
 {
-    const std::vector<std::uint64_t> keys = keysOfPieces(grid, points, pieces, heights, least, progress);
+    const std::vector<std::uint64_t> keys = keysOfPieces(grid, points, ranks, pieces, heights, least, progress);
     Roofs roofs{PointSet(points.size()), std::vector<std::uint8_t>(grid.cells(), 0)};
-    PointSet taken(points.size());
+    PointSet taken(ranks.count());
     for (std::size_t first = 0, last = 0; first < keys.size(); first = last) {
         progress.check();
         double cells = 0, level = 0, deep = 0;
@@ -119,7 +123,7 @@ Roofs roofsOf(const CellGrid& grid, const PointSet& points, const RoofPieces& pi
     for (std::size_t word = 0; word < points.words().size(); ++word) {
         if (word % kTaskWords == 0) progress.check();
         points.forEachInWords(word, word + 1, [&](PointIndex i) {
-            const std::uint32_t piece = pieces.pieceOf[i];
+            const std::uint32_t piece = pieces.pieceOf[ranks(i)];
             if (piece != kNoPiece && taken.contains(piece) && double(heights[i]) >= least) roofs.points.insert(i);
         });
     }
@@ -215,7 +219,7 @@ std::unique_ptr<Command> BuildingsStep::make(const PointCloud& cloud, const Step
     const std::vector<float>& heights = known.values;
     const PointSet mayBe = pointsOfClasses(cloud, classesValue(values, "from"), progress);
     const PointSet low = lastReturnsAbove(cloud, mayBe, heights, kLowShare * least, progress);
-    const std::size_t points = std::size_t(cloud.size());
+    const PointRanks ranks(low);
 
     RoofOptions options;
     options.neighbors = std::size_t(*integerValue(values, "neighbors"));
@@ -225,14 +229,14 @@ std::unique_ptr<Command> BuildingsStep::make(const PointCloud& cloud, const Step
     RoofPieces pieces;
     {
         const KdOrder order(cloud, progress, &low);
-        pieces = findRoofPieces(order, points, options, progress);
+        pieces = findRoofPieces(order, ranks, options, progress);
     }
 
     // Cells of some points each, so that a roof has no holes.
     const double side = std::max(leastWidth / 4, 1e-6);
     const CellGrid grid(cloud, mayBe, side, "buildings", progress);
     if (grid.cells() == 0) return nullptr;
-    Roofs roofs = roofsOf(grid, low, pieces, heights, least, leastArea, progress);
+    Roofs roofs = roofsOf(grid, low, ranks, pieces, heights, least, leastArea, progress);
     pieces = {};
     const RoofAreas areas = findRoofAreas(grid, std::move(roofs.cells),
                                           std::max<std::size_t>(1, std::size_t(leastArea / (side * side))),

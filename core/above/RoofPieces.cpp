@@ -118,8 +118,10 @@ void joinPieces(std::vector<std::uint32_t>& parents, std::uint32_t a, std::uint3
 
 }  // namespace
 
-RoofPieces findRoofPieces(const KdOrder& order, std::size_t points, const RoofOptions& options, Progress& progress)
+RoofPieces findRoofPieces(const KdOrder& order, const PointRanks& ranks, const RoofOptions& options,
+                          Progress& progress)
 {
+    const std::size_t points = ranks.count();
     RoofPieces pieces;
     pieces.pieceOf.assign(points, kNoPiece);
     pieces.level.assign(points, 0);
@@ -131,10 +133,10 @@ RoofPieces findRoofPieces(const KdOrder& order, std::size_t points, const RoofOp
         if (!plane || plane->deviation > options.roughness || plane->flatness > 0.06 || plane->breadth < 0.05 ||
             plane->normal[2] < leastZ)
             return;
-        normals[n.point] = {std::int16_t(plane->normal[0] * kPackedUnit),
-                            std::int16_t(plane->normal[1] * kPackedUnit)};
-        pieces.pieceOf[n.point] = n.point;
-        pieces.level[n.point] = std::uint8_t(plane->normal[2] >= levelZ);
+        const std::uint32_t own = ranks(n.point);
+        normals[own] = {std::int16_t(plane->normal[0] * kPackedUnit), std::int16_t(plane->normal[1] * kPackedUnit)};
+        pieces.pieceOf[own] = own;
+        pieces.level[own] = std::uint8_t(plane->normal[2] >= levelZ);
     });
     const auto normalOf = [&](std::uint32_t point) {
         const double x = double(normals[point].x) / kPackedUnit, y = double(normals[point].y) / kPackedUnit;
@@ -143,15 +145,17 @@ RoofPieces findRoofPieces(const KdOrder& order, std::size_t points, const RoofOp
     const double leastCosine = std::cos(options.bend);
     const double apart = 3 * options.roughness;
     forEachNearest(order, kJoined, "Joining pieces", progress, [&](const Neighborhood& n) {
-        if (normals[n.point].x == INT16_MIN) return;
-        const auto own = normalOf(n.point);
+        const std::uint32_t point = ranks(n.point);
+        if (normals[point].x == INT16_MIN) return;
+        const auto own = normalOf(point);
         for (std::size_t k = 0; k < n.points.size(); ++k) {
-            if (n.points[k] == n.point || normals[n.points[k]].x == INT16_MIN) continue;
-            const auto other = normalOf(n.points[k]);
+            const std::uint32_t beside = ranks(n.points[k]);
+            if (beside == point || normals[beside].x == INT16_MIN) continue;
+            const auto other = normalOf(beside);
             const auto& o = n.offsets[k];
             if (own[0] * other[0] + own[1] * other[1] + own[2] * other[2] < leastCosine) continue;
             if (std::fabs(double(o[0]) * own[0] + double(o[1]) * own[1] + double(o[2]) * own[2]) > apart) continue;
-            joinPieces(pieces.pieceOf, n.point, n.points[k]);
+            joinPieces(pieces.pieceOf, point, beside);
         }
     });
     for (std::uint32_t i = 0; i < points; ++i) {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/cloud/PointSet.h"
 #include "core/neighbors/KdOrder.h"
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace punctum
@@ -18,16 +21,37 @@ struct RoofOptions {
     double bend = 0;            ///< between the normals of neighbors in one piece, in radians
 };
 
+/// The places of a set's members among themselves. A byte for each eight points of the cloud.
+class PointRanks
+{
+public:
+    /// The set is not copied, and must stay as it is.
+    explicit PointRanks(const PointSet& set) : m_words(set.words()), m_before(set.ranks(1)) {}
+    std::size_t count() const noexcept { return std::size_t(m_before.back()); }
+    /// How many members come before this point.
+    std::uint32_t operator()(PointIndex point) const noexcept
+    {
+        const std::uint64_t below = m_words[std::size_t(point / 64)] & ((std::uint64_t(1) << (point % 64)) - 1);
+        return std::uint32_t(m_before[std::size_t(point / 64)]) + std::uint32_t(std::popcount(below));
+    }
+
+private:
+    std::span<const std::uint64_t> m_words;
+    std::vector<PointIndex> m_before;
+};
+
 inline constexpr std::uint32_t kNoPiece = UINT32_MAX;
 
 /// Regions of points that are smooth and flat nearly everywhere (smoothness constraint: Rabbani et al. 2006).
+/// Points are told by their ranks in the set that was looked at, so that others take no memory.
 struct RoofPieces {
-    std::vector<std::uint32_t> pieceOf;  ///< of each point of the cloud: the least index of the piece's points
+    std::vector<std::uint32_t> pieceOf;  ///< of each point: the least rank of the piece's points
     std::vector<std::uint8_t> level;     ///< of each point: whether its plane is nearly level
 };
 
-/// Of the points in the order. Two neighbors are of one piece where their planes agree; so the pieces are the same
-/// on any number of threads. Throws Cancelled.
-RoofPieces findRoofPieces(const KdOrder& order, std::size_t points, const RoofOptions& options, Progress& progress);
+/// Of the points in the order, which are those that are ranked. Two neighbors are of one piece where their planes
+/// agree; so the pieces are the same on any number of threads. Throws Cancelled.
+RoofPieces findRoofPieces(const KdOrder& order, const PointRanks& ranks, const RoofOptions& options,
+                          Progress& progress);
 
 }  // namespace punctum
