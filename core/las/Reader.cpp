@@ -81,12 +81,6 @@ struct Shared {
         const std::lock_guard lock(mutex);
         missing.emplace_back(range, std::move(sentence));
     }
-    /// The points of a chunk that is damaged.
-    void lose(PointRange range, const std::string& why)
-    {
-        miss(range, "The points " + grouped(range.first) + " to " + grouped(range.last - 1) +
-                        " are damaged and could not be read (" + why + ").");
-    }
     /// In the order of the file, the first ones with a sentence each.
     ReadResult finish()
     {
@@ -285,7 +279,9 @@ auto Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, const std::
 void Reader::Impl::lose(const Chunk& chunk, const Trouble& trouble, Shared& shared)
 {
     shared.receiver.withdrawn({trouble.arrived, trouble.given});
-    shared.lose({trouble.arrived, chunk.first + chunk.count}, trouble.why);
+    const PointRange lost{trouble.arrived, chunk.first + chunk.count};
+    shared.miss(lost, "The points " + grouped(lost.first) + " to " + grouped(lost.last - 1) +
+                          " are damaged and could not be read (" + trouble.why + ").");
     shared.progress.add(trouble.undone);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/shape/PlanePatches.h"
 
+#include "core/cells/JoinedLists.h"
 #include "core/shape/Spread.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -131,13 +132,7 @@ PlanePatches::PlanePatches(const CellOrder& order, const std::vector<std::uint32
                       [&](std::size_t bucket, const CellKey& key, std::span<const std::uint32_t> points) {
                           finders.local().find(key, points, found[bucket], progress);
                       });
-    std::size_t count = 0;
-    for (const auto& some : found) count += some.size();
-    m_patches.reserve(count);
-    for (auto& some : found) {
-        m_patches.insert(m_patches.end(), some.begin(), some.end());
-        some = {};
-    }
+    m_patches = joinedLists(std::move(found));
     makeTable(progress);
 }
 

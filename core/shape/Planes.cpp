@@ -106,7 +106,7 @@ struct FoundPlanes {
 };
 
 FoundPlanes findPlanes(const PointCloud& cloud, const PlaneOptions& options, const PointSet* within,
-                       Progress& progress)
+                       const PointSet* leftOut, Progress& progress)
 {
     FoundPlanes found;
     {
@@ -115,9 +115,8 @@ FoundPlanes findPlanes(const PointCloud& cloud, const PlaneOptions& options, con
         found.regionOf = planesOfPoints(*order, std::size_t(cloud.size()), options, progress);
         if (order->bytes() > kLargeOrder) KdOrder::drop(cloud);
     }
-    const auto leftOut = pointsOutside(cloud, within);
     const WorldGrid grid(cloud, options.cell);
-    const CellOrder cells(grid, leftOut.get(), progress);
+    const CellOrder cells(grid, leftOut, progress);
     PlanePatches patches(cells, found.regionOf, options, progress);
     const std::vector<PlaneRegion> regions = growPlanes(patches, options, progress);
     PointRegions points(patches, regions, options, found.regionOf);
@@ -224,7 +223,8 @@ std::unique_ptr<Command> PlanesStep::make(const PointCloud& cloud, const StepVal
     options.cosine = std::cos(*realValue(values, "angle") * std::numbers::pi / 180);
     options.cell = *realValue(values, "cell");
     options.points = std::size_t(*integerValue(values, "points"));
-    const FoundPlanes found = findPlanes(cloud, options, within, progress);
+    const auto leftOut = pointsOutside(cloud, within);
+    const FoundPlanes found = findPlanes(cloud, options, within, leftOut.get(), progress);
 
     FilledAttribute ids(cloud, {.name = "PlaneId",
                                 .description = "plane, 0: none",
@@ -232,7 +232,6 @@ std::unique_ptr<Command> PlanesStep::make(const PointCloud& cloud, const StepVal
                                 .kind = AttributeKind::Category});
     const std::uint32_t first = within == nullptr ? 1 : highestOutside(*within, ids, progress) + 1;
     const std::vector<std::uint32_t> numbers = numbersOf(found.counts, options.points, first);
-    const auto leftOut = pointsOutside(cloud, within);
     std::atomic<std::size_t> inPlanes = 0;
     progress.begin("Numbering planes", cloud.size());
     tbb::parallel_for(tbb::blocked_range<PointIndex>(0, cloud.size(), kPlaneCheck), [&](const auto& range) {

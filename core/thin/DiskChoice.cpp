@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "core/cells/CellOrder.h"
+#include "core/cells/JoinedLists.h"
 #include "core/thin/Choices.h"
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 #include <vector>
 
 namespace punctum
@@ -162,13 +164,7 @@ public:
                             [&](std::size_t b, const CellKey& key, std::span<std::uint32_t> points) {
                                 tiles[b].push_back({key, 0, points});
                             });
-        std::size_t count = 0;
-        for (const auto& some : tiles) count += some.size();
-        m_tiles.reserve(count);
-        for (auto& some : tiles) {
-            m_tiles.insert(m_tiles.end(), some.begin(), some.end());
-            some = {};
-        }
+        m_tiles = joinedLists(std::move(tiles));
     }
 
     std::shared_ptr<PointSet> choose(PointIndex size, Progress& progress)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "render/surface/SurfaceContours.h"
 
+#include "core/measure/Spacing.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -142,12 +144,7 @@ std::uint8_t inkOf(float level, float left, float right, float above, float belo
 
 double suitableInterval(double range) noexcept
 {
-    if (!(range > 0) || !std::isfinite(range)) return 0;
-    const double wanted = range / kWantedContours;
-    const double power = std::pow(10.0, std::floor(std::log10(wanted)));
-    // the nearest one by ratio
-    const double times = wanted / power;
-    return power * (times < std::sqrt(2.0) ? 1 : times < std::sqrt(10.0) ? 2 : times < std::sqrt(50.0) ? 5 : 10);
+    return range > 0 && std::isfinite(range) ? roundLength(range / kWantedContours) : 0;
 }
 
 void drawContours(const LevelPicture& picture, const PixelBlock& block, double lineWidth,

@@ -3,7 +3,9 @@
 
 #include "core/Error.h"
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 namespace punctum
 {
@@ -18,6 +20,13 @@ std::string complaint(const Work& work)
         return e.what();
     }
     return "no error";
+}
+
+/// Whether one of the sentences has this part.
+inline bool mentions(const std::vector<std::string>& sentences, const std::string& part)
+{
+    return std::any_of(sentences.begin(), sentences.end(),
+                       [&](const std::string& s) { return s.find(part) != std::string::npos; });
 }
 
 }  // namespace punctum

@@ -9,6 +9,7 @@
 #include "core/las/Writer.h"
 #include "core/task/Progress.h"
 #include "tests/core/BadInputs.h"
+#include "tests/core/Complaint.h"
 #include "tests/core/Faults.h"
 
 #include <QCoreApplication>
@@ -127,12 +128,6 @@ las::WriteReport save(const PointCloud& cloud, const fs::path& path)
     options.compressed = las::isCompressedName(path);
     Progress progress;
     return las::write(cloud, path, options, progress);
-}
-
-bool mentions(const std::vector<std::string>& sentences, const std::string& part)
-{
-    return std::any_of(sentences.begin(), sentences.end(),
-                       [&](const std::string& s) { return s.find(part) != std::string::npos; });
 }
 
 /// What this program does when it runs itself: saves a file and is killed at a step of it.

@@ -37,12 +37,6 @@ lasfiles::Bytes tileOf(std::uint32_t seed, std::uint32_t stated)
     return bytes;
 }
 
-bool anyHas(const std::vector<std::string>& sentences, const std::string& text)
-{
-    return std::any_of(sentences.begin(), sentences.end(),
-                       [&](const std::string& s) { return s.find(text) != std::string::npos; });
-}
-
 }  // namespace
 
 class ManyFilesTest : public QObject
@@ -72,8 +66,8 @@ private slots:
         write(5, kPoints + 90);
         write(6, kPoints + 1);
         const auto session = read();
-        QVERIFY(anyHas(m_read.warnings, "005.laz: The header says 790 points, the file holds 700."));
-        QVERIFY(anyHas(m_read.warnings, "006.laz: The header says 701 points, the file holds 700."));
+        QVERIFY(mentions(m_read.warnings, "005.laz: The header says 790 points, the file holds 700."));
+        QVERIFY(mentions(m_read.warnings, "006.laz: The header says 701 points, the file holds 700."));
         QCOMPARE(m_read.missing.size(), std::size_t(2));
         QCOMPARE(m_read.missing[0].first, PointIndex(6 * kPoints));
         QCOMPARE(m_read.missing[0].size(), PointIndex(90));
@@ -89,9 +83,9 @@ private slots:
     {
         write(5, kPoints - 1);
         const auto session = read();
-        QVERIFY(anyHas(m_read.warnings,
-                       "The header says 699 points, the file holds 700; open it by itself to see "
-                       "them. Its points are missing."));
+        QVERIFY(mentions(m_read.warnings,
+                         "The header says 699 points, the file holds 700; open it by itself to see "
+                         "them. Its points are missing."));
         QVERIFY(session->parts()[5].damaged && !session->parts()[4].damaged);
         QCOMPARE(m_read.missing.size(), std::size_t(1));
         QCOMPARE(m_read.missing[0].size(), PointIndex(kPoints - 1));
@@ -107,7 +101,7 @@ private slots:
         const auto session = read();
         QCOMPARE(session->cloud()->size(), PointIndex(kFiles * kPoints));
         QVERIFY(m_read.missing.empty());
-        QVERIFY(anyHas(session->survey().warnings(), "005.laz: The header says 790 points, the file holds 700."));
+        QVERIFY(mentions(session->survey().warnings(), "005.laz: The header says 790 points, the file holds 700."));
         QVERIFY(sameAsAlone(*session, 5, kPoints));
     }
 
@@ -118,7 +112,7 @@ private slots:
         for (std::size_t k = 0; k < 40; ++k) bytes[bytes.size() / 2 + k] = std::byte(k * 37);
         lasfiles::writeFile(m_files[5], bytes);
         const auto session = read();
-        QVERIFY2(anyHas(m_read.warnings, "005.laz: The points 0 to 699 are damaged and could not be read"),
+        QVERIFY2(mentions(m_read.warnings, "005.laz: The points 0 to 699 are damaged and could not be read"),
                  m_read.warnings.empty() ? "" : m_read.warnings.front().c_str());
         QVERIFY(session->parts()[5].damaged && session->damaged());
     }
@@ -132,7 +126,7 @@ private slots:
         fs::resize_file(m_files[7], fs::file_size(m_files[7]) - 1);
         lasfiles::writeFile(m_files[9], tileOf(900, kPoints - 1));
         m_read = session->read(m_progress);
-        QVERIFY(anyHas(m_read.warnings, "There is no such file. Its points are missing."));
+        QVERIFY(mentions(m_read.warnings, "There is no such file. Its points are missing."));
         const std::string changed =
             "The file was changed by another program while it was being opened. Its points are missing.";
         QCOMPARE(std::count_if(m_read.warnings.begin(), m_read.warnings.end(),

@@ -53,9 +53,9 @@ struct Scene {
     /// `noise`: standard deviation across the face.
     void addFace(const Face& face, std::size_t count, double noise)
     {
-        std::normal_distribution<double> across(0, noise);
+        std::normal_distribution<double> across;
         for (std::size_t k = 0; k < count; ++k)
-            add(face.corner + unit() * face.a + unit() * face.b + across(random) * face.normal(),
+            add(face.corner + unit() * face.a + unit() * face.b + noise * across(random) * face.normal(),
                 int(faces.size()));
         faces.push_back(face);
     }

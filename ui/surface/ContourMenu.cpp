@@ -27,14 +27,13 @@ ContourMenu::ContourMenu(ViewSettings& settings, Menus& menus, QMenu& parent, QO
     menu->setToolTipsVisible(true);
     auto* const group = new QActionGroup(this);
     const auto add = [&](double choice, const QString& text, const QString& tip) {
-        QAction* const action = menus.add(menu, text, {}, {}, tip, [] {});
-        action->setCheckable(true);
-        group->addAction(action);
-        m_choices[choice] = action;
-        connect(action, &QAction::triggered, this, [this, choice] {
+        QAction* const action = menus.add(menu, text, {}, {}, tip, [this, choice] {
             m_settings.setContourChoice(choice);
             if (choice != ViewSettings::kNoContours) emit wanted();
         });
+        action->setCheckable(true);
+        group->addAction(action);
+        m_choices[choice] = action;
     };
     add(ViewSettings::kNoContours, tr("&None"), tr("The ground surface without lines of equal height"));
     add(ViewSettings::kSuitableContours, tr("&Automatic"), tr("About twenty between its low and its high ground"));
