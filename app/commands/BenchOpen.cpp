@@ -122,6 +122,7 @@ void openOnce(const BenchOptions& options, const std::string& prefix, Figures& f
     figures.add(prefix + "first_picture_ms", first != 0 ? first : complete);
     figures.add(prefix + "overview_ms", overview != 0 ? overview : complete);
     figures.add(prefix + "complete_ms", complete);
+    figures.add(prefix + "points_drawn", double(renderer.pointsInSight()));
 
     const Clock jump;
     renderer.setCamera(streetCamera(load));

@@ -144,7 +144,7 @@ BufferPlace Residency::takeFile(std::size_t bytes, BufferUse use)
                     sizeText(memoryBudget()) + ", and " + where.string() + " cannot take them (" + why + ").");
     }
     if (m_mapped.empty()) m_others = residentOfFiles();
-    m_mapped[static_cast<std::byte*>(at)] = {bytes, file};
+    m_mapped[static_cast<std::byte*>(at)] = {bytes, file, use};
     m_inFiles += bytes;
     m_files = true;
     if (!m_keeper.joinable()) m_keeper = std::jthread([this](const std::stop_token& stop) { keepTo(stop); });
@@ -225,25 +225,35 @@ void Residency::letGo()
     const std::uint64_t own = fileShare(), most = m_others + own;
     if (residentOfFiles() <= most) return;
     const std::uint64_t goal = most - own / 8;  // so that there is something to do in few pauses
-    std::uint64_t gone = 0, looked = 0;
-    while (gone < m_inFiles) {
-        auto at = m_mapped.upper_bound(m_hand);
-        std::size_t offset = 0;
-        if (at != m_mapped.begin() && m_hand < std::prev(at)->first + std::prev(at)->second.bytes)
-            offset = std::size_t(m_hand - (--at)->first);
-        else if (at == m_mapped.end())
-            at = m_mapped.begin();
+    if (!letGoOf(BufferUse::Points, goal)) letGoOf(BufferUse::Drawing, goal);
+}
+
+/// Once round at most; whether the goal was reached.
+bool Residency::letGoOf(BufferUse use, std::uint64_t goal)
+{
+    if (m_mapped.empty()) return true;
+    std::byte*& hand = m_hands[use];
+    std::uint64_t looked = 0;
+    auto at = m_mapped.upper_bound(hand);
+    if (at != m_mapped.begin() && hand < std::prev(at)->first + std::prev(at)->second.bytes) --at;
+    for (std::size_t turn = 0; turn <= m_mapped.size(); ++turn, ++at) {
+        if (at == m_mapped.end()) at = m_mapped.begin();
         auto& [first, mapped] = *at;
-        const std::size_t bytes = std::min(kStride, mapped.bytes - offset);
-        (void)::madvise(first + offset, bytes, MADV_DONTNEED);
-        (void)::sync_file_range(mapped.file, off_t(offset), off_t(bytes), SYNC_FILE_RANGE_WRITE);
-        m_hand = first + offset + bytes;
-        gone += bytes;
-        looked += bytes;
-        if (looked < kLookAgain && gone < m_inFiles) continue;
-        looked = 0;
-        if (residentOfFiles() <= goal) return;
+        if (mapped.use != use) continue;
+        const bool inside = turn == 0 && hand >= first && hand < first + mapped.bytes;
+        for (std::size_t offset = inside ? std::size_t(hand - first) : 0; offset < mapped.bytes;
+             offset += kStride) {
+            const std::size_t bytes = std::min(kStride, mapped.bytes - offset);
+            (void)::madvise(first + offset, bytes, MADV_DONTNEED);
+            (void)::sync_file_range(mapped.file, off_t(offset), off_t(bytes), SYNC_FILE_RANGE_WRITE);
+            hand = first + offset + bytes;
+            looked += bytes;
+            if (looked < kLookAgain) continue;
+            looked = 0;
+            if (residentOfFiles() <= goal) return true;
+        }
     }
+    return residentOfFiles() <= goal;
 }
 
 }  // namespace punctum

@@ -19,9 +19,10 @@ namespace punctum
 /// Those that come first are memory for good. What comes when the share of their use is taken lies in a file
 /// without a name, which is mapped: to whoever reads or writes it, from any thread, with a lock or without, it is
 /// memory like any other. A thread of its own looks at how much of the files is resident, and lets go of pages, in
-/// turn, until it fits into what the budget leaves (an eighth at least): the file keeps their values, and they come
-/// back when they are touched. So nothing that works on columns has to know how large a cloud may be. Only whoever
-/// fills them from nothing, faster than that thread can follow, does its work in between: keepUp().
+/// turn, those of columns before those of what is drawn, which each frame looks at, until it fits into what the
+/// budget leaves (an eighth at least): the file keeps their values, and they come back when they are touched. So
+/// nothing that works on columns has to know how large a cloud may be. Only whoever fills them from nothing, faster
+/// than that thread can follow, does its work in between: keepUp().
 ///
 /// The disk's room is taken when an array is made, so that a full disk is an Error then and not a crash later.
 /// Any thread.
@@ -59,20 +60,22 @@ private:
     std::uint64_t fileShare() const;  ///< residentMost(), with m_mutex held
     void keepTo(const std::stop_token& stop);
     void letGo();
+    bool letGoOf(BufferUse use, std::uint64_t goal);
 
     struct Mapped {
         std::size_t bytes = 0;
         int file = -1;
+        BufferUse use = BufferUse::Points;
     };
     mutable std::mutex m_mutex;  ///< guards what follows; pages are let go of while it is held
     std::condition_variable_any m_wake;
     std::uint64_t m_inMemory = 0, m_inFiles = 0;
-    std::uint64_t m_others = 0;             ///< resident pages of files that are not ours: the program itself
-    std::map<std::byte*, Mapped> m_mapped;  ///< by address
-    std::byte* m_hand = nullptr;            ///< where letting go goes on
-    std::atomic<bool> m_files = false;      ///< there are some
-    std::atomic<std::uint64_t> m_put = 0;   ///< bytes that keepUp() was told of since it last looked
-    std::jthread m_keeper;                  ///< while there are files
+    std::uint64_t m_others = 0;               ///< resident pages of files that are not ours: the program itself
+    std::map<std::byte*, Mapped> m_mapped;    ///< by address
+    std::map<BufferUse, std::byte*> m_hands;  ///< where letting go of each goes on
+    std::atomic<bool> m_files = false;        ///< there are some
+    std::atomic<std::uint64_t> m_put = 0;     ///< bytes that keepUp() was told of since it last looked
+    std::jthread m_keeper;                    ///< while there are files
 };
 
 }  // namespace punctum

@@ -33,6 +33,7 @@ constexpr std::uint64_t kSlicePoints = 64;       ///< whole cache lines in each 
 constexpr std::uint64_t kMostInBlock = 1 << 14;  ///< points, LAS
 /// LAS: blocks that a thread reads in a row, because points of neighboring blocks share cache lines where they go.
 constexpr std::uint64_t kRowOfBlocks = 4;
+constexpr std::size_t kRowOfChunks = 16;
 constexpr std::uint64_t kMostInBatch = 1 << 16;  ///< points handed on at once, LAZ
 constexpr std::size_t kMostWarnings = 10;        ///< of damaged chunks, one sentence each
 constexpr std::uint64_t kDecodeStep = 2048;      ///< points between two looks at the cancel flag
@@ -344,10 +345,16 @@ ReadResult Reader::Impl::visit(Progress& progress, const Receiver& receiver) con
         visitPlain(shared);
     } else {
         const bool stream = parsed.laz.compressor == LazInfo::Pointwise;
-        const std::vector<std::uint32_t> order = spreadOrder(std::uint32_t(parsed.chunks.size()));
-        forEachInOrder<ChunkWorker>(order.size(), [&](ChunkWorker& worker, std::size_t turn) {
+        // Where some points of all of the file are there already, neighbors come one after another: they share pages
+        // of what is drawn of them, which may lie beyond memory.
+        const std::size_t row = receiver.known.empty() ? 1 : kRowOfChunks;
+        const std::vector<std::uint32_t> order =
+            spreadOrder(std::uint32_t((parsed.chunks.size() + row - 1) / row));
+        forEachInOrder<ChunkWorker>(order.size() * row, [&](ChunkWorker& worker, std::size_t turn) {
             progress.check();
-            const Chunk& chunk = parsed.chunks[order[turn]];
+            const std::size_t k = order[turn / row] * row + turn % row;
+            if (k >= parsed.chunks.size()) return;
+            const Chunk& chunk = parsed.chunks[k];
             if (stream)
                 visitStream(chunk, worker.records, shared);
             else

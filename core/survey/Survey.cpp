@@ -2,6 +2,7 @@
 #include "core/survey/Survey.h"
 
 #include "core/Error.h"
+#include "core/Memory.h"
 #include "core/Text.h"
 #include "core/cloud/BlockBoxes.h"
 #include "core/las/Crs.h"
@@ -34,8 +35,9 @@ namespace
 /// Files that stay open until they are read. Of more, the only chunk of a file is not decoded to prove the header's
 /// count either: that takes milliseconds a file.
 constexpr std::size_t kMostOpen = 64;
-constexpr double kSameSize = 1e-7;     ///< of units, relative: a foot and a US survey foot differ by 2e-6
-constexpr std::size_t kMostNamed = 3;  ///< files named in one sentence
+constexpr std::uint64_t kDrawnBytes = 17;  ///< of a point, for drawing it
+constexpr double kSameSize = 1e-7;         ///< of units, relative: a foot and a US survey foot differ by 2e-6
+constexpr std::size_t kMostNamed = 3;      ///< files named in one sentence
 
 /// A file that was opened, or why it could not be.
 struct Opened {
@@ -482,6 +484,9 @@ void Survey::readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress&
 {
     const PointIndex all = m_cloud->size();
     if (all == 0 || all < ahead.from) return;
+    // Each of them touches pages of its own. Where memory does not hold all, less is drawn of them anyway.
+    const bool beyond = all * (source()->layout.length + kDrawnBytes) > memoryBudget();
+    const std::uint64_t points = beyond ? std::max<std::uint64_t>(1, ahead.points / 8) : ahead.points;
     const std::vector<std::uint32_t> order = las::spreadOrder(std::uint32_t(m_parts.size()));
     las::forEachInOrder(m_parts.size(), [&](std::vector<std::byte>&, std::size_t turn) {
         const std::size_t k = order[turn];
@@ -492,16 +497,15 @@ void Survey::readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress&
         try {
             las::Reader& reader = *member.reader;
             if (!many()) {
-                member.firsts = reader.readFirsts(*m_cloud, pieces, ahead.points, progress, sink);
+                member.firsts = reader.readFirsts(*m_cloud, pieces, points, progress, sink);
                 return;
             }
             PartReading reading(*this, k, changes);
             reader.reopen();
-            member.firsts =
-                reader.readFirsts(reading.view(), pieces, ahead.points, progress, [&](PointRange range) {
-                    reading.arrived(range);
-                    sink(reading.inSurvey(range));
-                });
+            member.firsts = reader.readFirsts(reading.view(), pieces, points, progress, [&](PointRange range) {
+                reading.arrived(range);
+                sink(reading.inSurvey(range));
+            });
             if (m_parts.size() > kMostOpen) reader.close();
         } catch (const Error&) {
             // read() meets the same, and tells of it

@@ -14,6 +14,10 @@ struct FrameReport {
     PointIndex filled = 0;   ///< slots drawn in the fill pass
     double share = 0;        ///< of all slots drawn with the present camera, 0 to 1
     bool converged = false;  ///< image equals the brute-force image and nothing streams
+    /// Points of all clouds that a full picture looks at, about. `partly`: not all in sight, but as many as the
+    /// screen can show (Detail::OfScreen); the image is that of these then.
+    PointIndex asked = 0;
+    bool partly = false;
     /// Seconds of its parts. Where the device keeps the time, of reprojecting and filling by its clock.
     struct Passes {
         double reproject = 0;  ///< what was visible, drawn anew

@@ -35,11 +35,16 @@ bool FrameScheduler::partial(const ViewClouds& clouds) noexcept
                        [](const auto& cloud) { return cloud->drawn < cloud->store->slotCount(); });
 }
 
+bool FrameScheduler::grown(const ViewClouds& clouds) noexcept
+{
+    return std::any_of(clouds.begin(), clouds.end(), [](const auto& cloud) { return cloud->grown(); });
+}
+
 bool FrameScheduler::beginGrown(ViewClouds& clouds) noexcept
 {
     bool any = false;
     for (const auto& cloud : clouds) {
-        if (!cloud->passDone() || cloud->filledAtStart == cloud->store->filled()) continue;
+        if (!cloud->grown()) continue;
         cloud->drawn = 0;
         cloud->filledAtStart = cloud->store->filled();
         any = true;
@@ -81,17 +86,30 @@ bool FrameScheduler::fill(ViewClouds& clouds, const FrameScene& scene, PointDraw
 
         ViewCloud& cloud = *clouds[next];
         const Slot slots = cloud.store->slotCount(), window = cloud.store->order().windowSize();
-        const auto affordable = std::uint64_t(
-            std::min(double(m_cost.affordable(std::max(0.0, deadline - started))) / cloud.weight, double(slots)));
-        std::uint64_t run = m_pointsAFrame > 0 ? m_pointsAFrame - m_filled
-                                               : std::max<std::uint64_t>(affordable, FrameCostModel::kLeastRun);
-        // A picture that is nearly full is made full: one more frame for the rest would cost more.
-        if (m_pointsAFrame == 0 && run + run / 4 >= slots - cloud.drawn) run = slots;
+        const VisibleStretches* const partly = scene.layers[next].visible && scene.layers[next].visible->partly()
+                                                   ? scene.layers[next].visible.get()
+                                                   : nullptr;
+        const std::uint64_t affordable = m_cost.affordable(std::max(0.0, deadline - started));
+        std::uint64_t run = 0;
+        if (m_pointsAFrame > 0) {
+            run = m_pointsAFrame - m_filled;
+        } else if (partly != nullptr) {
+            // later windows have less of the cloud
+            run =
+                partly->runOf(cloud.cursor, std::max(affordable, FrameCostModel::kLeastRun), slots) - cloud.cursor;
+        } else {
+            const auto those = std::uint64_t(std::min(double(affordable) / cloud.weight, double(slots)));
+            run = std::max<std::uint64_t>(those, FrameCostModel::kLeastRun);
+            // A picture that is nearly full is made full: one more frame for the rest would cost more.
+            if (run + run / 4 >= slots - cloud.drawn) run = slots;
+        }
         run = (run + window - 1) / window * window;
         const Slot count = Slot(std::min<std::uint64_t>({run, slots - cloud.drawn, slots - cloud.cursor}));
-        drawing.draw(scene, next, {cloud.cursor, cloud.cursor + count});
+        const SlotRange slotsNow{cloud.cursor, cloud.cursor + count};
+        drawing.draw(scene, next, slotsNow);
         drawing.finish();
-        m_cost.observe(std::uint64_t(std::ceil(count * cloud.weight)), now() - started);
+        m_cost.observe(partly != nullptr ? partly->drawn(slotsNow) : std::uint64_t(std::ceil(count * cloud.weight)),
+                       now() - started);
         cloud.cursor = cloud.cursor + count == slots ? 0 : cloud.cursor + count;
         cloud.drawn += count;
         m_filled += count;

@@ -28,6 +28,8 @@ public:
 
     /// Nothing of the clouds is drawn with the present view.
     static void beginPass(ViewClouds& clouds) noexcept;
+    /// Some cloud that was drawn wholly has got more points meanwhile.
+    static bool grown(const ViewClouds& clouds) noexcept;
     /// Some cloud is not drawn wholly.
     static bool partial(const ViewClouds& clouds) noexcept;
 

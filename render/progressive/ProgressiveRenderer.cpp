@@ -353,7 +353,7 @@ void ProgressiveRenderer::refreshVisible()
 void ProgressiveRenderer::updateScene()
 {
     m_size.samples = samplesOf(m_look.display);
-    makeScene(m_clouds, m_look, m_size, m_scene);
+    makeScene(m_clouds, m_look, m_size, m_backend->drawsPartly(), m_scene);
 }
 
 void ProgressiveRenderer::resolveImage(ResolveSettings settings)
@@ -390,6 +390,12 @@ bool ProgressiveRenderer::converged() const noexcept
            });
 }
 
+bool ProgressiveRenderer::drawsPartly() const noexcept
+{
+    return std::any_of(m_scene.layers.begin(), m_scene.layers.end(),
+                       [](const Layer& layer) { return layer.visible && layer.visible->partly(); });
+}
+
 PointIndex ProgressiveRenderer::pointsInSight() const noexcept
 {
     double points = 0;
@@ -413,6 +419,8 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
     if (converged() && !m_legend.rangeNeeded()) {
         report.converged = true;
         report.share = 1.0;
+        report.partly = drawsPartly();
+        report.asked = pointsInSight();
         return report;
     }
     m_passes = {};
@@ -439,6 +447,8 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
         // Where the device keeps the time it is told apart there.
         if (!m_scheduler.deviceDecides(*m_backend)) m_backend->finish();
         m_passes.reproject = now() - m_scheduler.frameBegan();
+    } else if (drawsPartly() && FrameScheduler::grown(m_clouds)) {
+        updateScene();  // boxes have grown, too
     }
     const bool streaming = m_words.begin(m_clouds);
     // Where making the picture takes most of a frame, a still one would hardly come on: half of the time is for
@@ -483,6 +493,8 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
         slots += entry->store->slotCount();
     }
     report.share = slots == 0 ? 1.0 : double(drawn) / double(slots);
+    report.partly = drawsPartly();
+    report.asked = pointsInSight();
     report.converged = converged();
     report.passes = m_passes;
     const RasterBackend::Traffic after = m_backend->traffic();

@@ -100,7 +100,8 @@ public:
     PointIndex pointsAFrame() const noexcept { return m_scheduler.pointsAFrame(); }
     /// Draws for about `budget` seconds into image(). Does nothing (converged, 0 points) when nothing changed.
     FrameReport renderFrame(double budget);
-    /// All points in one pass, no progression: the reference image.
+    /// All points in one pass, no progression: the reference image. Of a cloud beyond memory it has more points
+    /// than renderFrame() asks for.
     FrameReport renderBruteForce();
     /// The picture. Brings it over where it is on the device.
     const Image& image() { return m_picture.image(*m_backend); }
@@ -146,6 +147,7 @@ private:
     void refreshVisible();
     /// Makes the scene of the next frame from what the view was told.
     void updateScene();
+    bool drawsPartly() const noexcept;
     void resolveImage(ResolveSettings settings);
     bool showsSurface() const noexcept;
     /// Finds out which pixels show a point that gives way to the surface.

@@ -6,6 +6,7 @@
 
 #include <glm/vec3.hpp>
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -33,10 +34,21 @@ struct ViewCloud {
     /// What a slot costs on average, next to one in sight: others cost little, but not nothing.
     double weight = 1.0;
 
+    /// Of stretches in sight a part is drawn (Detail::OfScreen), as the cloud lies beyond memory.
+    bool partly = false;
+
     bool passDone() const noexcept { return drawn >= store->slotCount() || filledAtStart == 0; }
     /// Of its slots, drawn in this pass.
     double share() const noexcept { return double(drawn) / double(store->slotCount()); }
-    bool complete() const noexcept { return passDone() && filledAtStart == store->filled(); }
+    /// It was drawn, and has got so many more points since that it is worth drawing again. Beyond memory that takes
+    /// the disk, so that there are some dozen times.
+    bool grown() const noexcept
+    {
+        const PointIndex all = store->cloud().size(), now = store->filled();
+        const PointIndex some = partly ? std::min(all / 64, filledAtStart / 4) : 0;
+        return passDone() && now != filledAtStart && now >= std::min(all, filledAtStart + some);
+    }
+    bool complete() const noexcept { return passDone() && !grown(); }
 };
 
 /// In the order of the layers of the scene.

@@ -57,7 +57,7 @@ int samplesOf(const DisplaySettings& display) noexcept
                          [&](int count) { return count <= display.samples; });
 }
 
-void makeScene(ViewClouds& clouds, const ViewLook& look, const TargetSize& size, FrameScene& scene)
+void makeScene(ViewClouds& clouds, const ViewLook& look, const TargetSize& size, bool partly, FrameScene& scene)
 {
     scene.clear();
     Clip clip = look.display.clip;
@@ -66,21 +66,27 @@ void makeScene(ViewClouds& clouds, const ViewLook& look, const TargetSize& size,
     WorldBounds all;
     for (const auto& cloud : clouds)
         all.include(cloud->store->cloud().coordinates().toWorld(cloud->store->bounds()));
+    const auto& shown = look.display.classVisible;
+    const bool allClasses = std::all_of(shown.begin(), shown.end(), [](bool visible) { return visible; });
     for (const auto& cloud : clouds) {
         scene.add({cloud->store.get(), 0,
                    makeProjection(look.camera, *cloud->store, part, styleOf(*cloud, look, clouds.size()), all)});
         Layer& layer = scene.layers.back();
         layer.clip = makeClip(clip, *cloud->store, layer.projection.reference);
         cloud->weight = 1.0;
+        cloud->partly = false;
+        // How many of a stretch's points are hidden, or cut off, nobody knows before they are looked at.
+        const bool hides = layer.clip.on || cloud->store->hidesAny() || !allClasses;
+        const Detail detail = partly && !hides && cloud->store->beyondMemory() ? Detail::OfScreen : Detail::All;
         // While a file loads the boxes still grow.
-        if (cloud->store->filled() < cloud->store->cloud().size()) continue;
-        const auto visible = std::make_shared<const VisibleStretches>(layer, size);
+        if (detail == Detail::All && cloud->store->filled() < cloud->store->cloud().size()) continue;
+        const auto visible = std::make_shared<const VisibleStretches>(layer, size, detail);
         cloud->weight = std::min(1.0, visible->share() + kUnseenCost);
+        cloud->partly = visible->partly();
         if (!visible->all()) layer.visible = visible;
     }
-    scene.classVisible = look.display.classVisible;
-    scene.allClassesVisible =
-        std::all_of(scene.classVisible.begin(), scene.classVisible.end(), [](bool visible) { return visible; });
+    scene.classVisible = shown;
+    scene.allClassesVisible = allClasses;
 }
 
 ResolveSettings colorsOf(const ViewClouds& clouds, const ViewLook& look)

@@ -24,9 +24,10 @@ struct ViewLook {
 
 /// Samples a pixel that a display asks for: the next lower of kSampleCounts.
 int samplesOf(const DisplaySettings& display) noexcept;
-/// Makes what a frame draws of a view's clouds, a layer each; notes in them what their slots cost. Takes each
-/// cloud's mutex() shared.
-void makeScene(ViewClouds& clouds, const ViewLook& look, const TargetSize& size, FrameScene& scene);
+/// Makes what a frame draws of a view's clouds, a layer each; notes in them what their slots cost. `partly`: of
+/// clouds whose slots lie in files, what the screen can show alone (Detail::OfScreen), as the backend can draw so.
+/// Takes each cloud's mutex() shared.
+void makeScene(ViewClouds& clouds, const ViewLook& look, const TargetSize& size, bool partly, FrameScene& scene);
 /// How their points are colored at present; holes are closed while some are not drawn.
 ResolveSettings colorsOf(const ViewClouds& clouds, const ViewLook& look);
 

@@ -26,6 +26,8 @@ public:
     virtual void redraw(const FrameScene& scene, std::span<const PointId> ids) = 0;
     /// Draws a run of slots of one layer.
     virtual void draw(const FrameScene& scene, std::size_t layer, SlotRange slots) = 0;
+    /// Whether draw() knows of stretches that are not drawn in all windows (Detail::OfScreen).
+    virtual bool drawsPartly() const noexcept { return false; }
     /// Waits until everything asked for is done: makes clocks around draw() mean something.
     virtual void finish() = 0;
 

@@ -3,9 +3,13 @@
 
 #include "core/cloud/LinearSide.h"
 #include "render/scene/FrameScene.h"
+#include "render/scene/ScreenDensity.h"
 #include "render/scene/TargetSize.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
+#include <optional>
 
 namespace punctum::render
 {
@@ -38,43 +42,120 @@ std::vector<LinearSide> sidesOf(const Layer& layer, const TargetSize& size)
     return sides;
 }
 
+/// Of a stretch while the store is filled, whose box may grow yet, one window in so many is drawn at least.
+constexpr std::uint32_t kLeastOfGrowing = 16;
+
+bool outOfSight(const Layer& layer, const LocalBox& box, std::span<const LinearSide> sides)
+{
+    if (layer.clip.on)
+        for (int axis = 0; axis < 3; ++axis)
+            if (box.high[axis] < layer.clip.low[axis] || box.low[axis] > layer.clip.high[axis]) return true;
+    const glm::dvec3 reference(layer.projection.reference);
+    const glm::dvec3 low = glm::dvec3(box.low) - reference, high = glm::dvec3(box.high) - reference;
+    return std::any_of(sides.begin(), sides.end(),
+                       [&](const LinearSide& s) { return s.of(low, high, kRounding) == LinearSide::Box::Outside; });
+}
+
 }  // namespace
 
-VisibleStretches::VisibleStretches(const Layer& layer, const TargetSize& size)
-    : m_window(layer.store->order().windowSize())
+void VisibleStretches::Level::add(SlotRange range)
+{
+    if (!places.empty() && places.back().last == range.first)
+        places.back().last = range.last;
+    else
+        places.push_back(range);
+    count += range.size();
+}
+
+VisibleStretches::VisibleStretches(const Layer& layer, const TargetSize& size, Detail detail)
+    : m_window(layer.store->order().windowSize()), m_stretchPlaces(layer.store->stretchPlaces()), m_levels(1)
 {
     const PointStore& store = *layer.store;
     const std::size_t stretches = store.stretches();
     if (stretches == 0) return;
-    const Slot stretchPlaces = store.stretchPlaces();
+    const bool partly = detail == Detail::OfScreen, growing = store.filled() < store.cloud().size();
     const std::vector<LinearSide> sides = sidesOf(layer, size);
-    const auto boxes = store.boxes();
-    std::uint64_t seen = 0;
+    // The cloud makes its boxes anew for whoever asks while it is read.
+    const BlockBoxes* const arriving = growing ? store.cloud().arriving() : nullptr;
+    const std::shared_ptr<const BlockBoxes> known = arriving == nullptr ? store.boxes() : nullptr;
+    const BlockBoxes& boxes = arriving != nullptr ? *arriving : *known;
+    std::vector<std::optional<ScreenRect>> rects;  // of each in the list, by Detail::OfScreen
     for (std::size_t k = 0; k < stretches; ++k) {
-        const LocalBox box = store.frame().toLocal((*boxes)[k]);
-        if (box.empty()) continue;
-        if (layer.clip.on) {
-            bool apart = false;
-            for (int axis = 0; axis < 3; ++axis)
-                apart = apart || box.high[axis] < layer.clip.low[axis] || box.low[axis] > layer.clip.high[axis];
-            if (apart) continue;
-        }
-        const glm::dvec3 reference(layer.projection.reference);
-        const glm::dvec3 low = glm::dvec3(box.low) - reference, high = glm::dvec3(box.high) - reference;
-        if (std::any_of(sides.begin(), sides.end(), [&](const LinearSide& s) {
-                return s.of(low, high, kRounding) == LinearSide::Box::Outside;
-            }))
-            continue;
+        const LocalBox box = store.frame().toLocal(boxes[k]);
+        // While points arrive, the first ones of a stretch may be there, but not in the box yet.
+        if (box.empty() && !(partly && growing)) continue;
+        if (!box.empty() && outOfSight(layer, box, sides)) continue;
         m_list.push_back(std::uint32_t(k));
-        const Slot first = Slot(k) * stretchPlaces, last = std::min(m_window, first + stretchPlaces);
-        if (!m_places.empty() && m_places.back().last == first)
-            m_places.back().last = last;
-        else
-            m_places.push_back({first, last});
-        seen += last - first;
+        if (partly) rects.push_back(box.empty() ? ScreenRect() : screenRect(layer.projection, box));
     }
-    m_share = std::min(1.0, double(seen) / double(m_window));
-    m_all = m_list.size() == stretches;
+    if (partly) chooseWindows(layer, size, growing, boxes, rects);
+    m_levels.resize(1);
+    for (std::size_t i = 0; i < m_list.size(); ++i) {
+        const Slot first = Slot(m_list[i]) * m_stretchPlaces;
+        const SlotRange places{first, std::min(m_window, first + m_stretchPlaces)};
+        m_levels[0].add(places);
+        if (m_windows.empty()) continue;
+        m_levels.resize(std::max(m_levels.size(), std::size_t(std::bit_width(m_windows[i]))));
+        for (std::size_t level = 1; (std::uint32_t(1) << level) <= m_windows[i]; ++level)
+            m_levels[level].add(places);
+    }
+    const Slot slots = store.slotCount();
+    m_share = std::min(1.0, double(drawn({0, slots})) / double(slots));
+    m_all = m_list.size() == stretches && m_windows.empty();
+}
+
+/// As many windows of each as the screen can show where it comes to lie, as a power of two. `rects`: where each of
+/// the list does; none for those that are drawn wholly.
+void VisibleStretches::chooseWindows(const Layer& layer, const TargetSize& size, bool growing,
+                                     const BlockBoxes& boxes, std::span<const std::optional<ScreenRect>> rects)
+{
+    const std::uint32_t all = layer.store->order().memberMask() + 1;
+    const std::uint32_t least = growing ? std::max(1u, all / kLeastOfGrowing) : 1;
+    ScreenDensity density(size);
+    for (std::size_t i = 0; i < m_list.size(); ++i)
+        if (rects[i] && !boxes[m_list[i]].empty()) density.add(*rects[i], double(PointStore::kStretchPoints));
+    density.finish(kPointsAPixel);
+    m_windows.reserve(m_list.size());
+    for (std::size_t i = 0; i < m_list.size(); ++i) {
+        std::uint32_t windows = all;
+        if (boxes[m_list[i]].empty())
+            windows = least;
+        else if (rects[i])
+            windows = std::min(all, std::bit_ceil(std::uint32_t(std::ceil(density.share(*rects[i]) * all))));
+        m_windows.push_back(std::max(windows, least));
+    }
+    if (std::all_of(m_windows.begin(), m_windows.end(), [&](std::uint32_t w) { return w == all; })) {
+        m_windows.clear();
+        return;
+    }
+    m_windowsOf.assign(layer.store->stretches(), 0);
+    for (std::size_t i = 0; i < m_list.size(); ++i) m_windowsOf[m_list[i]] = m_windows[i];
+}
+
+auto VisibleStretches::levelOf(std::uint64_t window) const noexcept -> const Level&
+{
+    static const Level nothing;
+    if (m_windows.empty()) return m_levels.front();
+    const auto level = std::size_t(std::bit_width(window));
+    return level < m_levels.size() ? m_levels[level] : nothing;
+}
+
+std::uint64_t VisibleStretches::drawn(SlotRange slots) const noexcept
+{
+    const std::uint64_t first = slots.first / m_window,
+                        last = (std::uint64_t(slots.last) + m_window - 1) / m_window;
+    if (m_windows.empty()) return last > first ? (last - first) * m_levels.front().count : 0;
+    std::uint64_t sum = 0;
+    for (std::uint64_t window = first; window < last; ++window) sum += levelOf(window).count;
+    return sum;
+}
+
+Slot VisibleStretches::runOf(Slot first, std::uint64_t slots, Slot last) const noexcept
+{
+    std::uint64_t end = first;
+    for (std::uint64_t drawn = 0; drawn < slots && end < last; end += m_window)
+        drawn += levelOf(end / m_window).count;
+    return Slot(std::min<std::uint64_t>(end, last));
 }
 
 void VisibleStretches::pieces(SlotRange slots, Slot most, std::vector<SlotRange>& out) const
@@ -89,7 +170,8 @@ void VisibleStretches::pieces(SlotRange slots, Slot most, std::vector<SlotRange>
     if (m_all) return add(slots.first, slots.last);
     for (std::uint64_t window = slots.first / m_window * std::uint64_t(m_window); window < slots.last;
          window += m_window)
-        for (const SlotRange& places : m_places) add(window + places.first, window + places.last);
+        for (const SlotRange& places : levelOf(window / m_window).places)
+            add(window + places.first, window + places.last);
 }
 
 }  // namespace punctum::render

@@ -51,6 +51,8 @@ public:
     const SlotOrder& order() const noexcept { return m_order; }
     const LocalFrame& frame() const noexcept { return m_frame; }
     Slot slotCount() const noexcept { return m_order.slotCount(); }
+    /// Its positions lie in a file, as memoryBudget() does not hold them: reading all of them takes the disk.
+    bool beyondMemory() const noexcept { return m_slots.positions.inFile(); }
 
     /// Takes the points of a range from the cloud's columns. Any thread; each point once.
     void fill(PointRange range);

@@ -142,7 +142,9 @@ QString ShownCount::progressText(const render::FrameReport& report) const
     if (!report.converged) return tr("%1 % drawn").arg(int(std::floor(report.share * 100.0)));
     const auto& documents = m_workspace.documents();
     if (std::any_of(documents.begin(), documents.end(), [](const auto& d) { return d->loading(); }))
-        return tr("All points read so far are drawn");
+        return report.partly ? tr("Points read so far are drawn, as finely as this view can show")
+                             : tr("All points read so far are drawn");
+    if (report.partly) return tr("Drawn as finely as this view can show: %1 points").arg(countText(report.asked));
     if (!m_state.some()) return tr("All points drawn");
     if (!m_state.known) return tr("All shown points drawn");
     return m_state.shown == 0 ? tr("No point is shown")

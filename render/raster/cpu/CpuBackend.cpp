@@ -217,28 +217,34 @@ void forEachBlock(const Drawing& d, const Layer& layer, SlotRange slots, const E
         });
         return;
     }
-    const std::span<const std::uint32_t> list = layer.visible->list();
+    const VisibleStretches& visible = *layer.visible;
+    const std::span<const std::uint32_t> list = visible.list();
     const std::uint64_t window = layer.store->order().windowSize(), places = layer.store->stretchPlaces();
     const std::uint64_t firstWindow = slots.first / window, lastWindow = (slots.last - 1) / window + 1;
-    const std::size_t grain =
-        std::max<std::size_t>(kStretchesTogether, kDrawGrain / (places * (lastWindow - firstWindow)));
+    const std::uint64_t drawn = std::max<std::uint64_t>(1, visible.drawn(slots));
+    const std::size_t grain = std::max<std::size_t>(kStretchesTogether, kDrawGrain * list.size() / drawn);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, list.size(), grain), [&](const auto& r) {
         PieceDrawing<Each> drawing(d, each);
         std::vector<SlotRange> pieces;
         for (std::size_t group = r.begin(); group < r.end(); group += kStretchesTogether) {
             const auto together = list.subspan(group, std::min(kStretchesTogether, r.end() - group));
             pieces.clear();
-            for (std::uint64_t w = firstWindow; w < lastWindow; ++w) {
+            std::uint64_t last = firstWindow;
+            for (std::size_t k = 0; k < together.size(); ++k)
+                last = std::max<std::uint64_t>(last, visible.windows(group + k));
+            for (std::uint64_t w = firstWindow; w < std::min(last, lastWindow); ++w) {
                 const std::uint64_t begin = w * window;
-                for (const std::uint32_t stretch : together) {
+                for (std::size_t k = 0; k < together.size(); ++k) {
+                    if (w >= visible.windows(group + k)) continue;
+                    const std::uint64_t stretch = together[k];
                     const std::uint64_t first = std::max<std::uint64_t>(slots.first, begin + stretch * places);
-                    const std::uint64_t last =
+                    const std::uint64_t end =
                         std::min({std::uint64_t(slots.last), begin + window, begin + (stretch + 1) * places});
-                    if (first >= last) continue;
+                    if (first >= end) continue;
                     if (!pieces.empty() && pieces.back().last == first)
-                        pieces.back().last = Slot(last);
+                        pieces.back().last = Slot(end);
                     else
-                        pieces.push_back({Slot(first), Slot(last)});
+                        pieces.push_back({Slot(first), Slot(end)});
                 }
             }
             drawing.draw(pieces);
@@ -308,6 +314,10 @@ void CpuBackend::reproject(const FrameScene& scene)
     // One pass takes the ids out and leaves the buffer empty; ids of a layer stay together.
     const std::size_t layers = scene.layers.size(), bands = (cells().size() + kBandCells - 1) / kBandCells;
     if (m_bands.size() != bands * layers) m_bands.assign(bands * layers, {});
+    const auto asked = [&](const PointIds::Place& place) {
+        const VisibleStretches* const visible = scene.layers[place.layer].visible.get();
+        return visible == nullptr || !visible->partly() || visible->draws(place.slot);
+    };
     tbb::parallel_for(std::size_t(0), bands, [&](std::size_t band) {
         Band* const lists = m_bands.data() + band * layers;
         for (std::size_t layer = 0; layer < layers; ++layer) {
@@ -317,7 +327,8 @@ void CpuBackend::reproject(const FrameScene& scene)
         // Points of a layer may have hidden those of others.
         for (std::size_t layer = 0; layer < layers; ++layer) {
             for (const PointId id : lists[layer].hidden)
-                if (const auto place = scene.ids.find(id)) lists[place->layer].again.push_back(id);
+                if (const auto place = scene.ids.find(id); place && asked(*place))
+                    lists[place->layer].again.push_back(id);
             lists[layer].hidden.clear();
         }
         PointId last = kNoPoint;
@@ -327,7 +338,8 @@ void CpuBackend::reproject(const FrameScene& scene)
             cell = kEmpty;
             if (id == last || id == kNoPoint) continue;
             last = id;
-            if (const auto place = scene.ids.find(id)) lists[place->layer].visible.push_back(id);
+            if (const auto place = scene.ids.find(id); place && asked(*place))
+                lists[place->layer].visible.push_back(id);
         }
     });
     for (std::size_t layer = 0; layer < layers; ++layer) {

@@ -29,6 +29,7 @@ public:
     void reproject(const FrameScene& scene) override;
     void redraw(const FrameScene& scene, std::span<const PointId> ids) override;
     void draw(const FrameScene& scene, std::size_t layer, SlotRange slots) override;
+    bool drawsPartly() const noexcept override { return true; }
     void finish() override {}
     void clearColors() override { m_sums.clear(); }
     void addColors(const FrameScene& scene, const ResolveSettings& settings, std::size_t layer,
