@@ -63,9 +63,8 @@ private slots:
         QCOMPARE(figures["parts"].toInt(), 2);
         QCOMPARE(figures["points"].toInt(), 400'000);
         for (const char* when : {"cold", "again"})
-            for (const char* key :
-                 {"headers_ms", "first_picture_ms", "overview_ms", "complete_ms", "points_drawn", "street_ms",
-                  "peak_rss_mb"})
+            for (const char* key : {"headers_ms", "first_picture_ms", "overview_ms", "complete_ms", "points_drawn",
+                                    "street_ms", "peak_rss_mb"})
                 QVERIFY2(isFigure(figures[when][key], 1e-6), key);
     }
 
