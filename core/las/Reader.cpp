@@ -345,11 +345,10 @@ ReadResult Reader::Impl::visit(Progress& progress, const Receiver& receiver) con
         visitPlain(shared);
     } else {
         const bool stream = parsed.laz.compressor == LazInfo::Pointwise;
-        // Where some points of all of the file are there already, neighbors come one after another: they share pages
-        // of what is drawn of them, which may lie beyond memory.
+        // Where some points of all of the file are there already, neighbors come one after another: they share
+        // pages of what is drawn of them, which may lie beyond memory.
         const std::size_t row = receiver.known.empty() ? 1 : kRowOfChunks;
-        const std::vector<std::uint32_t> order =
-            spreadOrder(std::uint32_t((parsed.chunks.size() + row - 1) / row));
+        const std::vector<std::uint32_t> order = spreadOrder(std::uint32_t((parsed.chunks.size() + row - 1) / row));
         forEachInOrder<ChunkWorker>(order.size() * row, [&](ChunkWorker& worker, std::size_t turn) {
             progress.check();
             const std::size_t k = order[turn / row] * row + turn % row;

@@ -35,16 +35,11 @@ bool FrameScheduler::partial(const ViewClouds& clouds) noexcept
                        [](const auto& cloud) { return cloud->drawn < cloud->store->slotCount(); });
 }
 
-bool FrameScheduler::grown(const ViewClouds& clouds) noexcept
-{
-    return std::any_of(clouds.begin(), clouds.end(), [](const auto& cloud) { return cloud->grown(); });
-}
-
-bool FrameScheduler::beginGrown(ViewClouds& clouds) noexcept
+bool FrameScheduler::beginGrown(ViewClouds& clouds, bool partly) noexcept
 {
     bool any = false;
     for (const auto& cloud : clouds) {
-        if (!cloud->grown()) continue;
+        if (cloud->partly != partly || !cloud->grown()) continue;
         cloud->drawn = 0;
         cloud->filledAtStart = cloud->store->filled();
         any = true;
@@ -62,13 +57,13 @@ void FrameScheduler::beginFrame(PointDrawing& drawing)
 
 bool FrameScheduler::fill(ViewClouds& clouds, const FrameScene& scene, PointDrawing& drawing, double deadline)
 {
-    bool grown = beginGrown(clouds);
+    bool grown = beginGrown(clouds, false);
     if (deviceDecides(drawing)) {
         offerRuns(clouds, scene, drawing, deadline);
         return grown;
     }
     for (bool first = true;; first = false) {
-        if (!first) grown = beginGrown(clouds) || grown;
+        if (!first) grown = beginGrown(clouds, false) || grown;
         // The cloud that is furthest behind goes next, so that all converge together.
         std::size_t next = clouds.size();
         double least = 1.0;

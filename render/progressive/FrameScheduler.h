@@ -28,8 +28,10 @@ public:
 
     /// Nothing of the clouds is drawn with the present view.
     static void beginPass(ViewClouds& clouds) noexcept;
-    /// Some cloud that was drawn wholly has got more points meanwhile.
-    static bool grown(const ViewClouds& clouds) noexcept;
+    /// Clouds that were all drawn, but have got more points meanwhile, begin once more: those that are drawn
+    /// partly, or the others. Returns whether one did. Which stretches of the former are drawn has to be found anew
+    /// then.
+    static bool beginGrown(ViewClouds& clouds, bool partly) noexcept;
     /// Some cloud is not drawn wholly.
     static bool partial(const ViewClouds& clouds) noexcept;
 
@@ -42,8 +44,8 @@ public:
     {
         return m_pointsAFrame == 0 && drawing.keepsTime();
     }
-    /// Draws further slots until then. Clouds that were all drawn, but have got more points meanwhile, begin once
-    /// more; returns whether one did.
+    /// Draws further slots until then. Clouds that are not drawn partly, were all drawn, but have got more points
+    /// meanwhile, begin once more; returns whether one did.
     bool fill(ViewClouds& clouds, const FrameScene& scene, PointDrawing& drawing, double deadline);
     /// Slots drawn in this frame, as far as it is known: see pending().
     PointIndex filled() const noexcept { return m_filled; }
@@ -54,7 +56,6 @@ public:
     double countTimed(ViewClouds& clouds, PointDrawing& drawing, FrameReport::Passes& passes);
 
 private:
-    bool beginGrown(ViewClouds& clouds) noexcept;
     void offerRuns(ViewClouds& clouds, const FrameScene& scene, PointDrawing& drawing, double deadline);
 
     FrameCostModel m_cost;

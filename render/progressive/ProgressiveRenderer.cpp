@@ -447,8 +447,9 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
         // Where the device keeps the time it is told apart there.
         if (!m_scheduler.deviceDecides(*m_backend)) m_backend->finish();
         m_passes.reproject = now() - m_scheduler.frameBegan();
-    } else if (drawsPartly() && FrameScheduler::grown(m_clouds)) {
+    } else if (FrameScheduler::beginGrown(m_clouds, true)) {
         updateScene();  // boxes have grown, too
+        m_picture.forgetColors();
     }
     const bool streaming = m_words.begin(m_clouds);
     // Where making the picture takes most of a frame, a still one would hardly come on: half of the time is for

@@ -78,9 +78,11 @@ void makeScene(ViewClouds& clouds, const ViewLook& look, const TargetSize& size,
         // How many of a stretch's points are hidden, or cut off, nobody knows before they are looked at.
         const bool hides = layer.clip.on || cloud->store->hidesAny() || !allClasses;
         const Detail detail = partly && !hides && cloud->store->beyondMemory() ? Detail::OfScreen : Detail::All;
-        // While a file loads the boxes still grow.
-        if (detail == Detail::All && cloud->store->filled() < cloud->store->cloud().size()) continue;
+        // While a file loads the boxes still grow. Of what is drawn partly, they are looked at anew with each pass.
+        const bool growing = cloud->store->filled() < cloud->store->cloud().size();
+        if (detail == Detail::All && growing) continue;
         const auto visible = std::make_shared<const VisibleStretches>(layer, size, detail);
+        if (growing && !visible->partly()) continue;
         cloud->weight = std::min(1.0, visible->share() + kUnseenCost);
         cloud->partly = visible->partly();
         if (!visible->all()) layer.visible = visible;

@@ -42,8 +42,8 @@ std::vector<LinearSide> sidesOf(const Layer& layer, const TargetSize& size)
     return sides;
 }
 
-/// Of a stretch while the store is filled, whose box may grow yet, one window in so many is drawn at least.
-constexpr std::uint32_t kLeastOfGrowing = 16;
+/// While a store is filled the boxes of stretches may grow yet: so many slots are drawn of all of them, at least.
+constexpr std::uint64_t kSlotsOfGrowing = 16'000'000;
 
 bool outOfSight(const Layer& layer, const LocalBox& box, std::span<const LinearSide> sides)
 {
@@ -110,7 +110,8 @@ void VisibleStretches::chooseWindows(const Layer& layer, const TargetSize& size,
                                      const BlockBoxes& boxes, std::span<const std::optional<ScreenRect>> rects)
 {
     const std::uint32_t all = layer.store->order().memberMask() + 1;
-    const std::uint32_t least = growing ? std::max(1u, all / kLeastOfGrowing) : 1;
+    const std::uint64_t inWindow = std::max<std::uint64_t>(1, m_list.size() * m_stretchPlaces);
+    const auto least = std::uint32_t(growing ? std::clamp<std::uint64_t>(kSlotsOfGrowing / inWindow, 1, all) : 1);
     ScreenDensity density(size);
     for (std::size_t i = 0; i < m_list.size(); ++i)
         if (rects[i] && !boxes[m_list[i]].empty()) density.add(*rects[i], double(PointStore::kStretchPoints));
@@ -119,10 +120,10 @@ void VisibleStretches::chooseWindows(const Layer& layer, const TargetSize& size,
     for (std::size_t i = 0; i < m_list.size(); ++i) {
         std::uint32_t windows = all;
         if (boxes[m_list[i]].empty())
-            windows = least;
+            windows = 1;
         else if (rects[i])
             windows = std::min(all, std::bit_ceil(std::uint32_t(std::ceil(density.share(*rects[i]) * all))));
-        m_windows.push_back(std::max(windows, least));
+        m_windows.push_back(std::max(windows, std::bit_floor(least)));
     }
     if (std::all_of(m_windows.begin(), m_windows.end(), [&](std::uint32_t w) { return w == all; })) {
         m_windows.clear();
