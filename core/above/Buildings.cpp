@@ -29,6 +29,7 @@ constexpr double kRoofDegree = std::numbers::pi / 180;
 constexpr double kSteepestRoof = 65 * kRoofDegree;
 constexpr double kRoofBend = 12 * kRoofDegree;
 constexpr double kLowShare = 0.25;   ///< of the least height of a roof: points so high are looked at, to tell decks
+constexpr double kWallShare = 0.1;   ///< of the least height of a roof: so high are points of walls
 constexpr double kDeckShare = 0.03;  ///< of a level piece: so much of it lower than a roof makes it a deck
 constexpr double kPieceShare = 0.4;  ///< of the least area: so large is a piece at least
 constexpr std::int32_t kEaves = 1;   ///< cells about a roof whose walls and edges are of the building
@@ -41,25 +42,23 @@ std::optional<Attribute> returnField(const PointCloud& cloud, const char* name)
     return found == nullptr ? std::nullopt : std::optional(*found);
 }
 
-/// The points that are neither noise nor ground, nor lower than `least`; of several returns of a pulse the last.
-PointSet lastReturnsAbove(const PointCloud& cloud, PointSet points, const std::vector<float>& heights, double least,
-                          Progress& progress)
+/// Those that are last returns.
+PointSet lastReturnsOf(const PointCloud& cloud, PointSet points, Progress& progress)
 {
     const auto number = returnField(cloud, "ReturnNumber"), count = returnField(cloud, "NumberOfReturns");
+    if (!number || !count) return points;
     progress.begin("Looking at returns", cloud.size());
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
         const PointRange range{PointIndex(firstWord) * 64, std::min(cloud.size(), PointIndex(lastWord) * 64)};
-        std::vector<std::uint8_t> numbers(range.size(), 0), counts(range.size(), 0);
-        if (number && count) {
-            number->gatherBits(range, numbers.data());
-            count->gatherBits(range, counts.data());
-        }
+        std::vector<std::uint8_t> numbers(range.size()), counts(range.size());
+        number->gatherBits(range, numbers.data());
+        count->gatherBits(range, counts.data());
         for (std::size_t w = firstWord; w < lastWord; ++w) {
             std::uint64_t bits = points.words()[w];
             for (std::uint64_t rest = bits; rest != 0; rest &= rest - 1) {
                 const auto bit = std::uint64_t(std::countr_zero(rest));
-                const PointIndex i = PointIndex(w) * 64 + bit, at = i - range.first;
-                if (!(double(heights[i]) >= least) || numbers[at] < counts[at]) bits &= ~(std::uint64_t(1) << bit);
+                const PointIndex at = PointIndex(w) * 64 + bit - range.first;
+                if (numbers[at] < counts[at]) bits &= ~(std::uint64_t(1) << bit);
             }
             points.words()[w] = bits;
         }
@@ -70,8 +69,7 @@ PointSet lastReturnsAbove(const PointCloud& cloud, PointSet points, const std::v
 /// For each point of a piece, from high to low bits: the piece, the cell, whether it is level, whether it is lower
 /// than a roof. Sorted.
 std::vector<std::uint64_t> keysOfPieces(const CellGrid& grid, const PointSet& points, const PointRanks& ranks,
-                                        const RoofPieces& pieces, const std::vector<float>& heights, double least,
-                                        const Progress& progress)
+                                        const RoofPieces& pieces, const PointSet& high, const Progress& progress)
 {
     static_assert(CellGrid::kMostCells <= std::size_t(1) << 30);
     std::vector<std::uint64_t> keys;
@@ -83,7 +81,7 @@ std::vector<std::uint64_t> keysOfPieces(const CellGrid& grid, const PointSet& po
             const std::uint32_t rank = ranks(i);
             if (pieces.pieceOf[rank] == kNoPiece) return;
             keys.push_back(std::uint64_t(pieces.pieceOf[rank]) << 32 | std::uint64_t(grid.cellOf(i)) << 2 |
-                           std::uint64_t(pieces.level[rank]) << 1 | std::uint64_t(double(heights[i]) < least));
+                           std::uint64_t(pieces.level[rank]) << 1 | std::uint64_t(!high.contains(i)));
         });
     }
     // A long sorting has to stop when it is asked to: by way of the comparison.
@@ -101,9 +99,9 @@ struct Roofs {
 };
 
 Roofs roofsOf(const CellGrid& grid, const PointSet& points, const PointRanks& ranks, const RoofPieces& pieces,
-              const std::vector<float>& heights, double least, double leastArea, const Progress& progress)
+              const PointSet& high, double leastArea, const Progress& progress)
 {
-    const std::vector<std::uint64_t> keys = keysOfPieces(grid, points, ranks, pieces, heights, least, progress);
+    const std::vector<std::uint64_t> keys = keysOfPieces(grid, points, ranks, pieces, high, progress);
     Roofs roofs{PointSet(points.size()), std::vector<std::uint8_t>(grid.cells(), 0)};
     PointSet taken(ranks.count());
     for (std::size_t first = 0, last = 0; first < keys.size(); first = last) {
@@ -124,7 +122,7 @@ Roofs roofsOf(const CellGrid& grid, const PointSet& points, const PointRanks& ra
         if (word % kTaskWords == 0) progress.check();
         points.forEachInWords(word, word + 1, [&](PointIndex i) {
             const std::uint32_t piece = pieces.pieceOf[ranks(i)];
-            if (piece != kNoPiece && taken.contains(piece) && double(heights[i]) >= least) roofs.points.insert(i);
+            if (piece != kNoPiece && taken.contains(piece) && high.contains(i)) roofs.points.insert(i);
         });
     }
     return roofs;
@@ -215,10 +213,13 @@ std::unique_ptr<Command> BuildingsStep::make(const PointCloud& cloud, const Step
     const double least = *realValue(values, "height"), leastArea = *realValue(values, "area"),
                  leastWidth = *realValue(values, "width");
     const bool walls = textValue(values, "walls") == "yes";
-    const PointHeights known = heightsAboveGround(cloud, classesValue(values, "ground"), "buildings", progress);
-    const std::vector<float>& heights = known.values;
+    const std::array bounds{least, kLowShare * least, kWallShare * least};
+    const HighPoints known = highPoints(cloud, classesValue(values, "ground"), bounds, "buildings", progress);
+    const auto &high = known.atLeast[0], &highForWalls = known.atLeast[2];
     const PointSet mayBe = pointsOfClasses(cloud, classesValue(values, "from"), progress);
-    const PointSet low = lastReturnsAbove(cloud, mayBe, heights, kLowShare * least, progress);
+    PointSet low = mayBe;
+    low.intersect(known.atLeast[1]);
+    low = lastReturnsOf(cloud, std::move(low), progress);
     const PointRanks ranks(low);
 
     RoofOptions options;
@@ -236,7 +237,7 @@ std::unique_ptr<Command> BuildingsStep::make(const PointCloud& cloud, const Step
     const double side = std::max(leastWidth / 4, 1e-6);
     const CellGrid grid(cloud, mayBe, side, "buildings", progress);
     if (grid.cells() == 0) return nullptr;
-    Roofs roofs = roofsOf(grid, low, ranks, pieces, heights, least, leastArea, progress);
+    Roofs roofs = roofsOf(grid, low, ranks, pieces, high, leastArea, progress);
     pieces = {};
     const RoofAreas areas = findRoofAreas(grid, std::move(roofs.cells),
                                           std::max<std::size_t>(1, std::size_t(leastArea / (side * side))),
@@ -267,7 +268,7 @@ std::unique_ptr<Command> BuildingsStep::make(const PointCloud& cloud, const Step
                 found->insert(i);
                 return;
             }
-            if (!walls || !(double(heights[i]) >= 0.1 * least)) return;
+            if (!walls || !highForWalls.contains(i)) return;
             std::int32_t most = INT32_MIN;
             for (std::int32_t dy = -kEaves; dy <= kEaves; ++dy)
                 for (std::int32_t dx = -kEaves; dx <= kEaves; ++dx) {

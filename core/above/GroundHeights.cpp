@@ -134,6 +134,16 @@ bool areHeightsAbove(const PointCloud& cloud, const std::vector<float>& heights,
     return !differ;
 }
 
+/// Those of the attribute where they are of the ground as it is; else no values, and the sentence that says so.
+PointHeights heightsOfAttribute(const PointCloud& cloud, const ClassSet& ground, Progress& progress)
+{
+    PointHeights heights{keptHeights(cloud, progress), {}};
+    if (heights.values.empty() || areHeightsAbove(cloud, heights.values, ground, progress)) return heights;
+    return {{},
+            std::string(kHeightName) +
+                " is not of the ground as it is now, so heights were measured anew; run height to renew it."};
+}
+
 }  // namespace
 
 StepParameter groundParameter(std::string help)
@@ -184,18 +194,40 @@ bool hasHeightsAbove(const PointCloud& cloud, const ClassSet& ground, Progress& 
 PointHeights heightsAboveGround(const PointCloud& cloud, const ClassSet& ground, const std::string& name,
                                 Progress& progress)
 {
-    PointHeights heights{keptHeights(cloud, progress), {}};
-    if (!heights.values.empty()) {
-        if (areHeightsAbove(cloud, heights.values, ground, progress)) return heights;
-        heights.finding =
-            std::string(kHeightName) +
-            " is not of the ground as it is now, so heights were measured anew; run height to renew it.";
-    }
+    PointHeights heights = heightsOfAttribute(cloud, ground, progress);
+    if (!heights.values.empty()) return heights;
     const GroundTree tree = groundOf(cloud, ground, name, progress);
     heights.values.assign(cloud.size(), std::numeric_limits<float>::quiet_NaN());
     measureHeights(cloud, tree, GroundModel::Triangulated, kGroundNeighbors, nullptr, progress,
                    [&](PointIndex i, double height) { heights.values[i] = float(height); });
     return heights;
+}
+
+HighPoints highPoints(const PointCloud& cloud, const ClassSet& ground, std::span<const double> least,
+                      const std::string& name, Progress& progress)
+{
+    HighPoints high{std::vector<PointSet>(least.size(), PointSet(cloud.size())), {}};
+    // As a float, as heights are kept: whoever asks for the heights themselves gets the same points.
+    const auto tell = [&](PointIndex i, float height) {
+        for (std::size_t k = 0; k < least.size(); ++k)
+            if (double(height) >= least[k]) high.atLeast[k].insertShared(i);
+    };
+    {
+        const PointHeights known = heightsOfAttribute(cloud, ground, progress);
+        high.finding = known.finding;
+        if (!known.values.empty()) {
+            progress.begin("Comparing heights", cloud.size());
+            forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
+                const PointIndex last = std::min(cloud.size(), PointIndex(lastWord) * 64);
+                for (PointIndex i = PointIndex(firstWord) * 64; i < last; ++i) tell(i, known.values[i]);
+            });
+            return high;
+        }
+    }
+    const GroundTree tree = groundOf(cloud, ground, name, progress);
+    measureHeights(cloud, tree, GroundModel::Triangulated, kGroundNeighbors, nullptr, progress,
+                   [&](PointIndex i, double height) { tell(i, float(height)); });
+    return high;
 }
 
 }  // namespace punctum

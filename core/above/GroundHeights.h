@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -52,5 +53,15 @@ struct PointHeights {
 /// ground. Throws as groundOf() does.
 PointHeights heightsAboveGround(const PointCloud& cloud, const ClassSet& ground, const std::string& name,
                                 Progress& progress);
+
+/// Which points are high, for a step that need not know how high.
+struct HighPoints {
+    std::vector<PointSet> atLeast;  ///< one set for each of the heights asked for; deleted points may be in them
+    std::string finding;            ///< as PointHeights has it
+};
+/// The points of at least these heights by what heightsAboveGround() finds, which is not kept: a bit of each point
+/// for each height instead of its 4 bytes. `least`: units of length. Throws as groundOf() does.
+HighPoints highPoints(const PointCloud& cloud, const ClassSet& ground, std::span<const double> least,
+                      const std::string& name, Progress& progress);
 
 }  // namespace punctum

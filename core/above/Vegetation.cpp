@@ -69,10 +69,10 @@ const StepDescription& VegetationStep::description() const
 std::unique_ptr<Command> VegetationStep::make(const PointCloud& cloud, const StepValues& values,
                                               const PointSet* within, Progress& progress) const
 {
-    std::array<float, 3> from{};
+    std::array<double, 3> from{};
     std::array<std::uint32_t, 3> codes{};
     for (std::size_t k = 0; k < 3; ++k) {
-        from[k] = float(*realValue(values, kVegetationBounds[k]));
+        from[k] = double(float(*realValue(values, kVegetationBounds[k])));  // as heights are
         codes[k] = std::uint32_t(*integerValue(values, kVegetationClasses[k]));
         if (k > 0 && from[k] < from[k - 1])
             throw Error(std::string("vegetation: ") + kVegetationBounds[k] + " is below " +
@@ -81,26 +81,23 @@ std::unique_ptr<Command> VegetationStep::make(const PointCloud& cloud, const Ste
     const Attribute classes = classAttribute(cloud, *std::max_element(codes.begin(), codes.end()));
     if (cloud.size() == 0) return nullptr;
     const ClassSet mayChange = classesValue(values, "from");
-    const PointHeights known = heightsAboveGround(cloud, classesValue(values, "ground"), "vegetation", progress);
-    const std::vector<float>& heights = known.values;
+    const HighPoints known = highPoints(cloud, classesValue(values, "ground"), from, "vegetation", progress);
+    const std::vector<PointSet>& high = known.atLeast;
+    const auto codeOf = [&](PointIndex i) {
+        return high[2].contains(i) ? codes[2] : high[1].contains(i) ? codes[1] : codes[0];
+    };
 
     const ClassReader classOf(cloud);
     const auto deleted = deletedPoints(cloud);
     auto points = std::make_shared<PointSet>(cloud.size());
-    std::vector<std::uint8_t> codeOf(cloud.size());
     progress.begin("Classifying by height", cloud.size());
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
         const PointIndex last = std::min(cloud.size(), PointIndex(lastWord) * 64);
         for (PointIndex i = PointIndex(firstWord) * 64; i < last; ++i) {
             const unsigned now = classOf(i);
-            if (!mayChange[now] || !(heights[i] >= from[0])) continue;
+            if (!mayChange[now] || !high[0].contains(i)) continue;
             if (deleted && deleted->contains(i)) continue;
-            const std::uint32_t code = heights[i] >= from[2]   ? codes[2]
-                                       : heights[i] >= from[1] ? codes[1]
-                                                               : codes[0];
-            if (code == now) continue;
-            codeOf[i] = std::uint8_t(code);
-            points->insert(i);
+            if (codeOf(i) != now) points->insert(i);
         }
     });
     if (within != nullptr) points->intersect(*within);
@@ -108,7 +105,7 @@ std::unique_ptr<Command> VegetationStep::make(const PointCloud& cloud, const Ste
     ofPoints.reserve(points->count());
     for (std::size_t word = 0; word < points->words().size(); ++word) {
         if (word % kTaskWords == 0) progress.check();
-        points->forEachInWords(word, word + 1, [&](PointIndex i) { ofPoints.push_back(std::byte(codeOf[i])); });
+        points->forEachInWords(word, word + 1, [&](PointIndex i) { ofPoints.push_back(std::byte(codeOf(i))); });
     }
     auto command = makeClassCommand("Vegetation by height", classes, std::move(points), std::move(ofPoints));
     if (command) command->setFinding(known.finding);

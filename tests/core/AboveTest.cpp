@@ -2,6 +2,7 @@
 // Height above ground, vegetation, buildings and trees: against brute force, known surfaces and files that people
 // have classified.
 #include "core/Error.h"
+#include "core/above/GroundHeights.h"
 #include "core/las/Reader.h"
 #include "core/steps/Steps.h"
 #include "core/surface/Triangulation.h"
@@ -355,6 +356,34 @@ private slots:
         QVERIFY(run(*cloud, "vegetation")->finding().empty());
     }
 
+    /// Of the attribute, measured, and measured since the attribute's are not of the ground any more.
+    void highPointsAreThoseOfHeights_data()
+    {
+        QTest::addColumn<QStringList>("steps");
+        QTest::newRow("measured") << QStringList{};
+        QTest::newRow("of the attribute") << QStringList{"height"};
+        QTest::newRow("stale") << QStringList{"height", "set rule='Classification = 2 if X < 5005'"};
+        QTest::newRow("deleted points") << QStringList{"delete where='X > 5050'"};
+    }
+    void highPointsAreThoseOfHeights()
+    {
+        QFETCH(QStringList, steps);
+        const Cloud cloud = makeHills(20'000, 10'000);
+        for (const QString& step : steps) apply(*cloud, step.toLatin1().constData());
+        Progress progress;
+        ClassSet ground;
+        ground.set(2);
+        const PointHeights heights = heightsAboveGround(*cloud, ground, "test", progress);
+        // one that a point has, which counts
+        const std::array least{2.0, 0.5, double(heights.values[25'000]), 0.0, 1e9};
+        const HighPoints high = highPoints(*cloud, ground, least, "test", progress);
+        QVERIFY(high.finding == heights.finding);
+        QCOMPARE(high.atLeast.size(), least.size());
+        for (std::size_t k = 0; k < least.size(); ++k)
+            for (PointIndex i = 0; i < cloud->size(); ++i)
+                QCOMPARE(high.atLeast[k].contains(i), double(heights.values[i]) >= least[k]);
+        QVERIFY(high.atLeast[0].count() > 1000 && high.atLeast[4].count() == 0);
+    }
     void degenerate()
     {
         for (const char* step : {"height", "height method=nearest", "vegetation", "buildings", "trees"}) {
