@@ -8,6 +8,7 @@
 #include "core/cloud/Slabs.h"
 #include "core/cloud/Units.h"
 #include "core/process/FilledAttribute.h"
+#include "core/process/ObjectNumbers.h"
 #include "core/task/Progress.h"
 
 #include <algorithm>
@@ -52,7 +53,8 @@ const StepDescription& TreesStep::description() const
         .group = StepGroup::Objects,
         .help =
             "Finds the tops of trees and numbers the points of each crown as TreeId; 0: of none. Heights are "
-            "those of HeightAboveGround, or measured from the ground.",
+            "those of HeightAboveGround, or measured from the ground. Of some points alone, those trees are "
+            "numbered that they are of, and numbers go on from those of the other points.",
         .source = "Popescu and Wynne 2004; Dalponte and Coomes 2016",
         .parameters =
             {{.key = "height",
@@ -157,16 +159,23 @@ std::unique_ptr<Command> TreesStep::make(const PointCloud& cloud, const StepValu
                   [&](PointIndex i) { raiseTo(surface[grid.cellOf(i)], heights[i]); });
     const Crowns crowns = findCrowns(grid, surface, options, progress);
 
-    // Where a hole was filled, a crown may have no points.
+    // A crown may have no points where a hole was filled, or none that may change.
     std::vector<float> highest(crowns.tops.size(), std::numeric_limits<float>::quiet_NaN());
+    std::vector<std::uint32_t> numbers(highest.size(), 0);
     forCandidates("Measuring trees", [&](PointIndex i) {
         const std::uint32_t crown = crowns.crownOf[grid.cellOf(i)];
-        if (crown != kNoCrown) raiseTo(highest[crown], heights[i]);
+        if (crown == kNoCrown) return;
+        raiseTo(highest[crown], heights[i]);
+        const std::atomic_ref numbered(numbers[crown]);
+        if (numbered.load(std::memory_order_relaxed) == 0 && (within == nullptr || within->contains(i)))
+            numbered.store(1, std::memory_order_relaxed);
     });
-    std::vector<std::uint32_t> numbers(highest.size(), 0);
-    std::uint32_t count = 0;
     for (std::size_t crown = 0; crown < highest.size(); ++crown)
-        if (!std::isnan(highest[crown])) numbers[crown] = ++count;
+        if (numbers[crown] == 0) highest[crown] = std::numeric_limits<float>::quiet_NaN();
+    const auto count = std::size_t(std::count(numbers.begin(), numbers.end(), 1u));
+    std::uint32_t next = firstNumber(ids, count, within, progress);
+    for (std::uint32_t& number : numbers)
+        if (number != 0) number = next++;
     std::erase_if(highest, [](float height) { return std::isnan(height); });
     progress.begin("Numbering trees", cloud.size());
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {

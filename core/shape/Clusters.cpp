@@ -4,6 +4,7 @@
 #include "core/Text.h"
 #include "core/neighbors/Neighbors.h"
 #include "core/process/FilledAttribute.h"
+#include "core/process/ObjectNumbers.h"
 #include "core/process/Values.h"
 #include "core/task/Progress.h"
 
@@ -66,7 +67,8 @@ const StepDescription& ClustersStep::description() const
         .help =
             "Gives points that hang together, by steps no longer than the tolerance, the same number as ClusterId: "
             "1 "
-            "for the largest cluster, and so on; 0 for points of clusters that are too small.",
+            "for the largest cluster, and so on; 0 for points of clusters that are too small. Of some points "
+            "alone, the others are not looked at, and numbers go on from theirs.",
         .source = "Rusu 2009",
         .parameters = {{.key = "tolerance",
                         .label = "Tolerance",
@@ -126,7 +128,8 @@ std::unique_ptr<Command> ClustersStep::make(const PointCloud& cloud, const StepV
         return a.count != b.count ? a.count > b.count : a.root < b.root;
     });
     std::fill(counts.begin(), counts.end(), 0u);
-    for (std::size_t k = 0; k < clusters.size(); ++k) counts[clusters[k].root] = std::uint32_t(k + 1);
+    const std::uint32_t first = firstNumber(ids, clusters.size(), within, progress);
+    for (std::size_t k = 0; k < clusters.size(); ++k) counts[clusters[k].root] = first + std::uint32_t(k);
     forMembers([&](std::uint32_t p) { ids.set(p, double(counts[sets.root(p)])); });
 
     auto command = std::make_unique<AttributesCommand>("Clusters", std::vector<Attribute>{ids.attribute()});

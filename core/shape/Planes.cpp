@@ -5,6 +5,7 @@
 #include "core/cloud/Visibility.h"
 #include "core/process/FilledAttribute.h"
 #include "core/process/Marking.h"
+#include "core/process/ObjectNumbers.h"
 #include "core/process/Values.h"
 #include "core/shape/PlaneRegions.h"
 
@@ -143,17 +144,6 @@ std::vector<std::uint32_t> numbersOf(const std::vector<std::uint32_t>& counts, s
     return numbers;
 }
 
-/// The highest number that points outside of a set have.
-std::uint32_t highestOutside(const PointSet& within, const FilledAttribute& ids, const Progress& progress)
-{
-    double highest = 0;
-    for (PointIndex i = 0; i < within.size(); ++i) {
-        if (i % kPlaneCheck == 0) progress.check();
-        if (!within.contains(i)) highest = std::max(highest, ids.value(i));
-    }
-    return std::uint32_t(std::min(highest, 4e9));
-}
-
 }  // namespace
 
 const StepDescription& PlanesStep::description() const
@@ -230,8 +220,10 @@ std::unique_ptr<Command> PlanesStep::make(const PointCloud& cloud, const StepVal
                                 .description = "plane, 0: none",
                                 .type = ScalarType::U32,
                                 .kind = AttributeKind::Category});
-    const std::uint32_t first = within == nullptr ? 1 : highestOutside(*within, ids, progress) + 1;
-    const std::vector<std::uint32_t> numbers = numbersOf(found.counts, options.points, first);
+    const auto planes = std::size_t(std::count_if(found.counts.begin(), found.counts.end(),
+                                                  [&](std::uint32_t count) { return count >= options.points; }));
+    const std::vector<std::uint32_t> numbers =
+        numbersOf(found.counts, options.points, firstNumber(ids, planes, within, progress));
     std::atomic<std::size_t> inPlanes = 0;
     progress.begin("Numbering planes", cloud.size());
     tbb::parallel_for(tbb::blocked_range<PointIndex>(0, cloud.size(), kPlaneCheck), [&](const auto& range) {
@@ -250,7 +242,6 @@ std::unique_ptr<Command> PlanesStep::make(const PointCloud& cloud, const StepVal
     progress.check();
 
     auto command = std::make_unique<AttributesCommand>("Planes", std::vector<Attribute>{ids.attribute()});
-    const auto planes = std::size_t(std::count_if(numbers.begin(), numbers.end(), [](auto n) { return n != 0; }));
     command->setFinding(planes == 0 ? "No planes."
                                     : grouped(planes) + (planes == 1 ? " plane of " : " planes of ") +
                                           pointsText(inPlanes) + ".");
