@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/cloud/PointSet.h"
+#include "core/cloud/PointRanks.h"
 #include "core/neighbors/KdOrder.h"
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace punctum
@@ -19,25 +17,6 @@ struct RoofOptions {
     double roughness = 0;       ///< the most by which they leave it, as a standard deviation
     double steepest = 0;        ///< slope of a roof, in radians
     double bend = 0;            ///< between the normals of neighbors in one piece, in radians
-};
-
-/// The places of a set's members among themselves. A byte for each eight points of the cloud.
-class PointRanks
-{
-public:
-    /// The set is not copied, and must stay as it is.
-    explicit PointRanks(const PointSet& set) : m_words(set.words()), m_before(set.ranks(1)) {}
-    std::size_t count() const noexcept { return std::size_t(m_before.back()); }
-    /// How many members come before this point.
-    std::uint32_t operator()(PointIndex point) const noexcept
-    {
-        const std::uint64_t below = m_words[std::size_t(point / 64)] & ((std::uint64_t(1) << (point % 64)) - 1);
-        return std::uint32_t(m_before[std::size_t(point / 64)]) + std::uint32_t(std::popcount(below));
-    }
-
-private:
-    std::span<const std::uint64_t> m_words;
-    std::vector<PointIndex> m_before;
 };
 
 inline constexpr std::uint32_t kNoPiece = UINT32_MAX;

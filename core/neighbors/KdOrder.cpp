@@ -22,14 +22,15 @@ namespace punctum
 namespace
 {
 
-constexpr std::size_t kLeafPoints = 32;        ///< at most, where places differ; at least half of it
-constexpr std::size_t kBucketPoints = 4096;    ///< about: sorted into leaves by one thread, in its cache
-constexpr std::size_t kMostBuckets = 32'768;   ///< a bucket's number fits into 16 bits, with one left for none
-constexpr std::size_t kSamplesPerBucket = 64;  ///< medians are then good to some hundredths
-constexpr std::size_t kRanges = 64;            ///< pieces of the cloud that are sorted side by side
-constexpr std::size_t kCheck = 1 << 14;        ///< points between two looks at the cancel flag
-constexpr std::size_t kLargeBucket = 1 << 20;  ///< looked at before it is copied: most of it may be in one place
-constexpr std::uint64_t kShareKept = 32;       ///< of memoryBudget(), which a cloud's order may keep
+constexpr std::size_t kLeafPoints = 32;           ///< at most, where places differ; at least half of it
+constexpr std::size_t kBucketPoints = 4096;       ///< about: sorted into leaves by one thread, in its cache
+constexpr std::size_t kMostBuckets = 32'768;      ///< a bucket's number fits into 16 bits, with one left for none
+constexpr std::size_t kSamplesPerBucket = 64;     ///< medians are then good to some hundredths
+constexpr std::size_t kRanges = 64;               ///< pieces of the cloud that are sorted side by side
+constexpr std::size_t kCheck = 1 << 14;           ///< points between two looks at the cancel flag
+constexpr std::size_t kLargeBucket = 1 << 20;     ///< looked at before it is copied: most of it may be in one place
+constexpr std::uint64_t kShareKept = 32;          ///< of memoryBudget(), which a cloud's order may keep
+constexpr std::uint64_t kLargeOrder = 256 << 20;  ///< bytes
 
 std::size_t longestOf(const std::array<double, 3>& extents)
 {
@@ -91,6 +92,11 @@ void KdOrder::drop(const PointCloud& cloud) noexcept
     const std::lock_guard lock(kept.mutex);
     kept.order.reset();
     kept.without.reset();
+}
+
+void KdOrder::dropLarge(const PointCloud& cloud) const noexcept
+{
+    if (bytes() > kLargeOrder) drop(cloud);
 }
 
 KdOrder::KdOrder(const PointCloud& cloud, Progress& progress, const PointSet* only)

@@ -53,6 +53,9 @@ public:
     static std::shared_ptr<const KdOrder> of(const PointCloud& cloud, Progress& progress);
     /// The cloud keeps none any longer; who has one goes on.
     static void drop(const PointCloud& cloud) noexcept;
+    /// drop(), where this one is so large (more than 256 MB) that the cloud better keeps none beside what a step
+    /// makes after its search.
+    void dropLarge(const PointCloud& cloud) const noexcept;
 
     /// Of the points in `only` alone; null: of all that are not deleted. Takes cloud.mutex() shared for a moment.
     /// Throws Cancelled, and Error when there are more than 2^32 points.

@@ -2,14 +2,20 @@
 #include "core/shape/Clusters.h"
 
 #include "core/Text.h"
+#include "core/cloud/PointRanks.h"
 #include "core/neighbors/Neighbors.h"
 #include "core/process/FilledAttribute.h"
+#include "core/process/Marking.h"
 #include "core/process/ObjectNumbers.h"
 #include "core/process/Values.h"
 #include "core/task/Progress.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <atomic>
+#include <utility>
 #include <vector>
 
 namespace punctum
@@ -26,6 +32,7 @@ public:
     {
         for (std::size_t i = 0; i < count; ++i) m_parent[i].store(std::uint32_t(i), std::memory_order_relaxed);
     }
+    bool isRoot(std::uint32_t point) const { return m_parent[point].load(std::memory_order_relaxed) == point; }
     std::uint32_t root(std::uint32_t point)
     {
         for (;;) {
@@ -53,7 +60,62 @@ private:
     std::vector<std::atomic<std::uint32_t>> m_parent;
 };
 
-constexpr std::size_t kClusterCheck = 1 << 18;  ///< points between two looks at the cancel flag
+constexpr PointIndex kClusterPiece = 1 << 16;  ///< points between two looks at the cancel flag
+
+/// Calls each(range) for pieces of all points, in parallel. Throws Cancelled.
+template <typename Each>
+void forPieces(const PointCloud& cloud, const char* stage, Progress& progress, Each&& each)
+{
+    progress.begin(stage, cloud.size());
+    tbb::parallel_for(tbb::blocked_range<PointIndex>(0, cloud.size(), kClusterPiece), [&](const auto& range) {
+        if (progress.cancelled()) return;
+        each(PointRange{range.begin(), range.end()});
+        progress.add(range.size());
+    });
+    progress.check();
+}
+
+/// The sets that have points: their roots, and how many points each has.
+struct FoundSets {
+    PointSet roots;
+    PointRanks ranks;  ///< of the roots
+    std::vector<std::uint32_t> counts;
+
+    explicit FoundSets(PointSet all) : roots(std::move(all)), ranks(roots), counts(ranks.count()) {}
+    FoundSets(const FoundSets&) = delete;  // the ranks are those of this set's words
+    FoundSets& operator=(const FoundSets&) = delete;
+    FoundSets(FoundSets&&) noexcept = default;  // which keeps them where they are
+    FoundSets& operator=(FoundSets&&) = delete;
+    ~FoundSets() = default;
+};
+
+FoundSets countSets(const PointCloud& cloud, JoinedSets& sets, const PointSet* leftOut, Progress& progress)
+{
+    PointSet roots(cloud.size());
+    forPieces(cloud, "Looking at clusters", progress, [&](const PointRange& range) {
+        for (PointIndex i = range.first; i < range.last; ++i)
+            if ((leftOut == nullptr || !leftOut->contains(i)) && sets.isRoot(std::uint32_t(i)))
+                roots.insertShared(i);
+    });
+    FoundSets found(std::move(roots));
+    forPieces(cloud, "Counting points of clusters", progress, [&](const PointRange& range) {
+        // Points that follow each other are often of one set, on which all threads would write.
+        std::uint32_t last = 0, run = 0;
+        const auto count = [&] {
+            if (run > 0) std::atomic_ref(found.counts[found.ranks(last)]).fetch_add(run, std::memory_order_relaxed);
+            run = 0;
+        };
+        for (PointIndex i = range.first; i < range.last; ++i) {
+            if (leftOut != nullptr && leftOut->contains(i)) continue;
+            const std::uint32_t root = sets.root(std::uint32_t(i));
+            if (root != last) count();
+            last = root;
+            ++run;
+        }
+        count();
+    });
+    return found;
+}
 
 }  // namespace
 
@@ -94,43 +156,40 @@ std::unique_ptr<Command> ClustersStep::make(const PointCloud& cloud, const StepV
     if (cloud.size() == 0) return nullptr;
     const double tolerance = *realValue(values, "tolerance");
     const auto least = std::uint32_t(*integerValue(values, "points"));
-    const auto places = KdOrder::of(cloud, progress);
-    const KdOrder& order = *places;
     FilledAttribute ids(cloud, {.name = "ClusterId",
                                 .description = "cluster, 0: none",
                                 .type = ScalarType::U32,
                                 .kind = AttributeKind::Category});
+    const auto leftOut = pointsOutside(cloud, within);
     JoinedSets sets(cloud.size());
-    forEachWithin(
-        order, tolerance, "Joining neighbors", progress,
-        [&](const Neighborhood& n) {
-            for (const std::uint32_t p : n.points)
-                if (p < n.point && (within == nullptr || within->contains(p))) sets.join(n.point, p);
-        },
-        within);
+    {
+        const auto order = KdOrder::of(cloud, progress);
+        forEachWithin(
+            *order, tolerance, "Joining neighbors", progress,
+            [&](const Neighborhood& n) {
+                for (const std::uint32_t p : n.points)
+                    if (p < n.point && (within == nullptr || within->contains(p))) sets.join(n.point, p);
+            },
+            within);
+        order->dropLarge(cloud);
+    }
+    FoundSets found = countSets(cloud, sets, leftOut.get(), progress);
 
-    struct Cluster {
-        std::uint32_t root, count;
-    };
-    const std::span<const std::uint32_t> members = order.points(1);
-    const auto forMembers = [&](auto&& each) {
-        for (std::size_t k = 0; k < members.size(); ++k) {
-            if (k % kClusterCheck == 0) progress.check();
-            if (within == nullptr || within->contains(members[k])) each(members[k]);
-        }
-    };
-    std::vector<std::uint32_t> counts(cloud.size());
-    forMembers([&](std::uint32_t p) { ++counts[sets.root(p)]; });
-    std::vector<Cluster> clusters;
-    for (std::size_t p = 0; p < counts.size(); ++p)
-        if (counts[p] >= least) clusters.push_back({std::uint32_t(p), counts[p]});
-    std::sort(clusters.begin(), clusters.end(), [](const Cluster& a, const Cluster& b) {
-        return a.count != b.count ? a.count > b.count : a.root < b.root;
+    // Roots are in the order of their ranks.
+    std::vector<std::uint32_t> clusters;
+    for (std::uint32_t rank = 0; rank < found.counts.size(); ++rank)
+        if (found.counts[rank] >= least) clusters.push_back(rank);
+    std::stable_sort(clusters.begin(), clusters.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return found.counts[a] > found.counts[b]; });
+    std::uint32_t next = firstNumber(ids, clusters.size(), within, progress);
+    std::vector<std::uint32_t>& numbers = found.counts;
+    std::fill(numbers.begin(), numbers.end(), 0u);
+    for (const std::uint32_t rank : clusters) numbers[rank] = next++;
+    forPieces(cloud, "Numbering clusters", progress, [&](const PointRange& range) {
+        for (PointIndex i = range.first; i < range.last; ++i)
+            if (leftOut == nullptr || !leftOut->contains(i))
+                ids.set(i, double(numbers[found.ranks(sets.root(std::uint32_t(i)))]));
     });
-    std::fill(counts.begin(), counts.end(), 0u);
-    const std::uint32_t first = firstNumber(ids, clusters.size(), within, progress);
-    for (std::size_t k = 0; k < clusters.size(); ++k) counts[clusters[k].root] = first + std::uint32_t(k);
-    forMembers([&](std::uint32_t p) { ids.set(p, double(counts[sets.root(p)])); });
 
     auto command = std::make_unique<AttributesCommand>("Clusters", std::vector<Attribute>{ids.attribute()});
     command->setFinding(grouped(clusters.size()) + (clusters.size() == 1 ? " cluster." : " clusters."));

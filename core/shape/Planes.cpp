@@ -23,8 +23,7 @@ namespace
 
 constexpr double kBlurredCosine =
     0.5;  ///< at edges normals are those of both sides together: 45 degrees off, and noise
-constexpr std::uint64_t kLargeOrder = 256 << 20;  ///< bytes; not kept beside the order by cells that comes then
-constexpr std::size_t kPlaneCheck = 1 << 16;      ///< points between two looks at the cancel flag
+constexpr std::size_t kPlaneCheck = 1 << 16;  ///< points between two looks at the cancel flag
 
 /// What is known of a point's plane becomes the number of its region, plus 1; 0: none. Counts points of regions.
 class PointRegions
@@ -114,7 +113,7 @@ FoundPlanes findPlanes(const PointCloud& cloud, const PlaneOptions& options, con
         const auto order = within == nullptr ? KdOrder::of(cloud, progress)
                                              : std::make_shared<const KdOrder>(cloud, progress, within);
         found.regionOf = planesOfPoints(*order, std::size_t(cloud.size()), options, progress);
-        if (order->bytes() > kLargeOrder) KdOrder::drop(cloud);
+        order->dropLarge(cloud);
     }
     const WorldGrid grid(cloud, options.cell);
     const CellOrder cells(grid, leftOut, progress);
