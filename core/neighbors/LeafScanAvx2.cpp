@@ -135,17 +135,36 @@ std::size_t countInLeavesAvx2(const LeafScan& scan, float sure, float limit, std
     return found;
 }
 
+/// Ranks of `vectors` times eight distances from `first` on, so that each other one is loaded once for all of them.
+template <int vectors>
+void rankTogether(const float* squared, std::size_t first, std::size_t count, std::uint32_t* ranks)
+{
+    __m256 own[vectors];
+    __m256i smaller[vectors];
+    for (int v = 0; v < vectors; ++v) {
+        own[v] = _mm256_loadu_ps(squared + first + 8 * v);
+        smaller[v] = _mm256_setzero_si256();
+    }
+    for (std::size_t j = 0; j < count; ++j) {
+        const __m256 other = _mm256_broadcast_ss(squared + j);
+        for (int v = 0; v < vectors; ++v)
+            smaller[v] =
+                _mm256_sub_epi32(smaller[v], _mm256_castps_si256(_mm256_cmp_ps(other, own[v], _CMP_LT_OQ)));
+    }
+    for (int v = 0; v < vectors; ++v)
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ranks + first + 8 * v), smaller[v]);
+}
+
 void rankAvx2(float* squared, std::size_t count, std::uint32_t* ranks) noexcept
 {
-    for (std::size_t i = 0; i < count; i += 8) {
-        const __m256 own = _mm256_loadu_ps(squared + i);
-        __m256i smaller = _mm256_setzero_si256();
-        for (std::size_t j = 0; j < count; ++j) {
-            const __m256 other = _mm256_broadcast_ss(squared + j);
-            smaller = _mm256_sub_epi32(smaller, _mm256_castps_si256(_mm256_cmp_ps(other, own, _CMP_LT_OQ)));
-        }
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ranks + i), smaller);
-    }
+    std::size_t i = 0;
+    for (; i + 24 < count; i += 32) rankTogether<4>(squared, i, count, ranks);
+    if (i + 16 < count)
+        rankTogether<3>(squared, i, count, ranks);
+    else if (i + 8 < count)
+        rankTogether<2>(squared, i, count, ranks);
+    else if (i < count)
+        rankTogether<1>(squared, i, count, ranks);
 }
 
 }  // namespace

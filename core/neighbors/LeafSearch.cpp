@@ -158,7 +158,8 @@ bool LeafSearch::list(std::size_t leaf, double squared)
     const KdOrder::Box& own = m_order.box(leaf);
     const double limit = squared * (1 + 1e-6);
     std::size_t points = 0;
-    std::array<std::size_t, 64> stack{1};
+    std::array<std::size_t, 64> stack;
+    stack[0] = 1;
     for (std::size_t depth = 1; depth != 0;) {
         const std::size_t node = stack[--depth];
         const KdOrder::Box& box = m_order.box(node);

@@ -18,10 +18,10 @@ namespace
 {
 
 constexpr std::size_t kTilePoints = 8192;  ///< whose leaves, and those around, stay in the processor's second cache
-constexpr int kMostTries = 5;              ///< scans for the k nearest, before the order's own search
-constexpr double kFirstReach =
-    1.6;                         ///< of the square of what the points before needed: then few scans are too short
-constexpr double kListed = 3.0;  ///< likewise, of the leaves that are listed
+constexpr int kMostTries = 7;              ///< scans for the k nearest, before the order's own search
+constexpr double kFirstReach = 1.4;  ///< of the square of what the points before needed: most scans are then enough
+constexpr double kNextReach = 1.6;   ///< of the square of the scan before, which was
+constexpr double kListed = 2.6;      ///< as kFirstReach, of the leaves that are listed: for one more scan
 
 /// Gathers what a visitor is told; one a task, its memory used again for each point.
 class Report
@@ -80,7 +80,13 @@ public:
           m_scans(LeafSearch::canScan(order))
     {
     }
-    void clear() { m_search.clear(); }
+    /// What is known of the points before is forgotten, too: which search finds a point's neighbors, and with it
+    /// the last bits of distances, goes by the tile alone, whatever the threads took before.
+    void clear()
+    {
+        m_search.clear();
+        m_reach = -1;
+    }
     void leaf(std::size_t leaf, std::span<const std::uint32_t> points, const Progress& progress)
     {
         m_leaf = leaf;
@@ -119,7 +125,7 @@ private:
         m_search.from(point);
         m_reach = std::max(m_reach, 1.0);  // where many are in one place
         double limit = kFirstReach * m_reach;
-        for (int tries = 0; tries < kMostTries; ++tries, limit *= 2) {
+        for (int tries = 0; tries < kMostTries; ++tries, limit *= kNextReach) {
             if (limit > m_listed) {
                 m_listed = std::max(kListed * m_reach, 1.5 * limit);
                 if (!m_search.list(m_leaf, m_listed)) {
