@@ -202,6 +202,28 @@ std::uint64_t Residency::fileShare() const
     return std::max(budget / 8, budget - std::min(budget, m_inMemory));
 }
 
+void Residency::leave(const std::byte* at, std::size_t bytes) noexcept
+{
+    if (!m_files || bytes == 0) return;
+    const std::lock_guard lock(m_mutex);
+    auto mapped = m_mapped.upper_bound(const_cast<std::byte*>(at));
+    if (mapped == m_mapped.begin()) return;
+    --mapped;
+    const auto offset = std::size_t(at - mapped->first);
+    if (offset >= mapped->second.bytes) return;
+    // Pages at both ends that others fill come back to them.
+    const auto page = std::size_t(::sysconf(_SC_PAGESIZE));
+    const std::size_t first = offset / page * page;
+    const std::size_t last = std::min((offset + bytes + page - 1) / page * page, mapped->second.bytes);
+    letGoOf(*mapped, first, last - first);
+}
+
+void Residency::letGoOf(const std::pair<std::byte* const, Mapped>& mapped, std::size_t offset, std::size_t bytes)
+{
+    (void)::madvise(mapped.first + offset, bytes, MADV_DONTNEED);
+    (void)::sync_file_range(mapped.second.file, off_t(offset), off_t(bytes), SYNC_FILE_RANGE_WRITE);
+}
+
 void Residency::keepUp(std::uint64_t bytes)
 {
     if (!m_files || m_put.fetch_add(bytes) + bytes < kMostPut) return;
@@ -244,8 +266,7 @@ bool Residency::letGoOf(BufferUse use, std::uint64_t goal)
         for (std::size_t offset = inside ? std::size_t(hand - first) : 0; offset < mapped.bytes;
              offset += kStride) {
             const std::size_t bytes = std::min(kStride, mapped.bytes - offset);
-            (void)::madvise(first + offset, bytes, MADV_DONTNEED);
-            (void)::sync_file_range(mapped.file, off_t(offset), off_t(bytes), SYNC_FILE_RANGE_WRITE);
+            letGoOf(*at, offset, bytes);
             hand = first + offset + bytes;
             looked += bytes;
             if (looked < kLookAgain) continue;

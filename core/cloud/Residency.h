@@ -10,6 +10,7 @@
 #include <map>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 namespace punctum
 {
@@ -38,6 +39,10 @@ public:
     BufferPlace take(std::size_t bytes, BufferUse use);
     void giveBack(const BufferPlace& place) noexcept;
 
+    /// Lets go of the pages of these bytes, where they lie in a file: whoever filled them needs them no more. They
+    /// come back when they are touched.
+    void leave(const std::byte* at, std::size_t bytes) noexcept;
+
     /// Has been told of so many bytes that were put into arrays; now and then it lets go of pages before it
     /// returns, if too many are resident. Next to nothing where all arrays are memory for good.
     void keepUp(std::uint64_t bytes);
@@ -60,13 +65,15 @@ private:
     std::uint64_t fileShare() const;  ///< residentMost(), with m_mutex held
     void keepTo(const std::stop_token& stop);
     void letGo();
-    bool letGoOf(BufferUse use, std::uint64_t goal);
 
     struct Mapped {
         std::size_t bytes = 0;
         int file = -1;
         BufferUse use = BufferUse::Points;
     };
+    bool letGoOf(BufferUse use, std::uint64_t goal);
+    static void letGoOf(const std::pair<std::byte* const, Mapped>& mapped, std::size_t offset, std::size_t bytes);
+
     mutable std::mutex m_mutex;  ///< guards what follows; pages are let go of while it is held
     std::condition_variable_any m_wake;
     std::uint64_t m_inMemory = 0, m_inFiles = 0;

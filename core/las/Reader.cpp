@@ -433,6 +433,16 @@ void putRecords(PointCloud& cloud, const RecordLayout& layout, const Deinterleav
     decodeCompatible(layout, columns, std::size_t(range.size()));
 }
 
+/// Points have been read and handed on: where their columns lie beyond memory, nobody needs them at once.
+void leaveColumns(const PointCloud& cloud, const RecordLayout& layout, PointRange range)
+{
+    for (std::size_t k = 0; k < layout.fields.size() + layout.derived.size(); ++k) {
+        const std::size_t bytes = layout.field(std::int32_t(k)).bytes();
+        Residency::instance().leave(cloud.columns()[k]->data() + range.first * bytes,
+                                    std::size_t(range.size()) * bytes);
+    }
+}
+
 /// Extent and returns of the points of one thread.
 struct Seen {
     RawBounds bounds;
@@ -475,6 +485,7 @@ std::vector<PointRange> Reader::readFirsts(PointCloud& cloud, std::size_t pieces
         putRecords(cloud, m_source->layout, deinterleave, range, worker.records);
         found[order[turn]] = range;
         sink(range);
+        leaveColumns(cloud, m_source->layout, range);
     });
     std::erase_if(found, [](const PointRange& range) { return range.empty(); });
     return found;
@@ -508,6 +519,7 @@ ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& 
         const auto* returns = reinterpret_cast<const std::uint8_t*>(cloud.columns()[returnsField]->data());
         seen.local().include(include(range), returns + range.first, std::size_t(range.size()), returnMask);
         if (sink && fresh < range.last) sink({fresh, range.last});
+        leaveColumns(cloud, layout, range);
         Residency::instance().keepUp(range.size() * layout.length);
     };
     receiver.withdrawn = [&](PointRange range) {

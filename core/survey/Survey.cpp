@@ -5,6 +5,7 @@
 #include "core/Memory.h"
 #include "core/Text.h"
 #include "core/cloud/BlockBoxes.h"
+#include "core/cloud/Residency.h"
 #include "core/las/Crs.h"
 #include "core/las/CrsChange.h"
 #include "core/las/FinishSaves.h"
@@ -422,6 +423,15 @@ public:
         m_member.beyond += beyond;
     }
 
+    /// They have been handed on: the survey's coordinates of a part that keeps its own are not needed at once.
+    void handedOn(PointRange range) const noexcept
+    {
+        if (!m_ownGrid) return;  // the reader does it
+        for (const std::int32_t* const axis : m_shared)
+            Residency::instance().leave(reinterpret_cast<const std::byte*>(axis + range.first),
+                                        std::size_t(range.size()) * sizeof(std::int32_t));
+    }
+
 private:
     /// Returns how many coordinates lie beyond what the survey's grid can hold.
     std::size_t place(PointRange range)
@@ -505,6 +515,7 @@ void Survey::readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress&
             member.firsts = reader.readFirsts(reading.view(), pieces, points, progress, [&](PointRange range) {
                 reading.arrived(range);
                 sink(reading.inSurvey(range));
+                reading.handedOn(range);
             });
             if (m_parts.size() > kMostOpen) reader.close();
         } catch (const Error&) {
@@ -525,6 +536,7 @@ las::ReadResult Survey::readPart(std::size_t part, ChangesOfThreads& changes, Pr
         [&](PointRange range) {
             reading.arrived(range);
             if (sink) sink(reading.inSurvey(range));
+            reading.handedOn(range);
         },
         member.firsts);
     if (reading.hasOwnGrid()) {
