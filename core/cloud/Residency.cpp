@@ -221,7 +221,11 @@ void Residency::leave(const std::byte* at, std::size_t bytes) noexcept
 void Residency::letGoOf(const std::pair<std::byte* const, Mapped>& mapped, std::size_t offset, std::size_t bytes)
 {
     (void)::madvise(mapped.first + offset, bytes, MADV_DONTNEED);
-    (void)::sync_file_range(mapped.second.file, off_t(offset), off_t(bytes), SYNC_FILE_RANGE_WRITE);
+    // Columns go on their way to the disk, so that the system has few pages that it cannot drop. Those of what is
+    // drawn are written here and there for as long as points arrive, and waiting for a busy disk would let them
+    // pile up: the system knows when to begin.
+    if (mapped.second.use == BufferUse::Points)
+        (void)::sync_file_range(mapped.second.file, off_t(offset), off_t(bytes), SYNC_FILE_RANGE_WRITE);
 }
 
 void Residency::keepUp(std::uint64_t bytes)
@@ -241,7 +245,6 @@ void Residency::keepTo(const std::stop_token& stop)
     }
 }
 
-/// Pages that were written go on their way to the disk, so that the system has few that it cannot drop.
 void Residency::letGo()
 {
     const std::uint64_t own = fileShare(), most = m_others + own;
