@@ -49,7 +49,7 @@ PointSet lastReturnsOf(const PointCloud& cloud, PointSet points, Progress& progr
     if (!number || !count) return points;
     progress.begin("Looking at returns", cloud.size());
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
-        const PointRange range{PointIndex(firstWord) * 64, std::min(cloud.size(), PointIndex(lastWord) * 64)};
+        const PointRange range = pointsOfWords(cloud.size(), firstWord, lastWord);
         std::vector<std::uint8_t> numbers(range.size()), counts(range.size());
         number->gatherBits(range, numbers.data());
         count->gatherBits(range, counts.data());

@@ -85,7 +85,7 @@ std::vector<float> keptHeights(const PointCloud& cloud, Progress& progress)
     std::atomic<bool> whole = true;
     progress.begin("Reading heights", cloud.size());
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
-        const PointRange range{PointIndex(firstWord) * 64, std::min(cloud.size(), PointIndex(lastWord) * 64)};
+        const PointRange range = pointsOfWords(cloud.size(), firstWord, lastWord);
         std::vector<double> values(range.size());
         kept.read(range, values.data());
         for (PointIndex i = range.first; i < range.last; ++i) {
@@ -114,8 +114,8 @@ bool areHeightsAbove(const PointCloud& cloud, const std::vector<float>& heights,
     std::atomic<bool> differ = false;
     progress.begin("Comparing heights with the ground", cloud.size());
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
-        const PointIndex last = std::min(cloud.size(), PointIndex(lastWord) * 64);
-        for (PointIndex i = PointIndex(firstWord) * 64; i < last; ++i) {
+        const PointRange range = pointsOfWords(cloud.size(), firstWord, lastWord);
+        for (PointIndex i = range.first; i < range.last; ++i) {
             const bool ofGround = ground[classOf(i)];
             if (deleted && deleted->contains(i)) {
                 // those deleted before heights were measured have none
@@ -218,8 +218,8 @@ HighPoints highPoints(const PointCloud& cloud, const ClassSet& ground, std::span
         if (!known.values.empty()) {
             progress.begin("Comparing heights", cloud.size());
             forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
-                const PointIndex last = std::min(cloud.size(), PointIndex(lastWord) * 64);
-                for (PointIndex i = PointIndex(firstWord) * 64; i < last; ++i) tell(i, known.values[i]);
+                const PointRange range = pointsOfWords(cloud.size(), firstWord, lastWord);
+                for (PointIndex i = range.first; i < range.last; ++i) tell(i, known.values[i]);
             });
             return high;
         }

@@ -179,8 +179,8 @@ std::unique_ptr<Command> TreesStep::make(const PointCloud& cloud, const StepValu
     std::erase_if(highest, [](float height) { return std::isnan(height); });
     progress.begin("Numbering trees", cloud.size());
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
-        const PointIndex last = std::min(cloud.size(), PointIndex(lastWord) * 64);
-        for (PointIndex i = PointIndex(firstWord) * 64; i < last; ++i) {
+        const PointRange range = pointsOfWords(cloud.size(), firstWord, lastWord);
+        for (PointIndex i = range.first; i < range.last; ++i) {
             if (within != nullptr && !within->contains(i)) continue;
             const std::uint32_t crown = candidates.contains(i) ? crowns.crownOf[grid.cellOf(i)] : kNoCrown;
             ids.set(i, crown == kNoCrown ? 0 : double(numbers[crown]));

@@ -92,8 +92,8 @@ std::unique_ptr<Command> VegetationStep::make(const PointCloud& cloud, const Ste
     auto points = std::make_shared<PointSet>(cloud.size());
     progress.begin("Classifying by height", cloud.size());
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
-        const PointIndex last = std::min(cloud.size(), PointIndex(lastWord) * 64);
-        for (PointIndex i = PointIndex(firstWord) * 64; i < last; ++i) {
+        const PointRange range = pointsOfWords(cloud.size(), firstWord, lastWord);
+        for (PointIndex i = range.first; i < range.last; ++i) {
             const unsigned now = classOf(i);
             if (!mayChange[now] || !high[0].contains(i)) continue;
             if (deleted && deleted->contains(i)) continue;

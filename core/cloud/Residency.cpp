@@ -205,20 +205,23 @@ std::uint64_t Residency::fileShare() const
 void Residency::leave(const std::byte* at, std::size_t bytes) noexcept
 {
     if (!m_files || bytes == 0) return;
-    const std::lock_guard lock(m_mutex);
-    auto mapped = m_mapped.upper_bound(const_cast<std::byte*>(at));
-    if (mapped == m_mapped.begin()) return;
-    --mapped;
-    const auto offset = std::size_t(at - mapped->first);
-    if (offset >= mapped->second.bytes) return;
+    std::pair<std::byte*, Mapped> of;
+    {
+        const std::lock_guard lock(m_mutex);
+        const auto after = m_mapped.upper_bound(const_cast<std::byte*>(at));
+        if (after == m_mapped.begin()) return;
+        of = *std::prev(after);
+    }
+    const auto offset = std::size_t(at - of.first);
+    if (offset >= of.second.bytes) return;
     // Pages at both ends that others fill come back to them.
     const auto page = std::size_t(::sysconf(_SC_PAGESIZE));
     const std::size_t first = offset / page * page;
-    const std::size_t last = std::min((offset + bytes + page - 1) / page * page, mapped->second.bytes);
-    letGoOf(*mapped, first, last - first);
+    const std::size_t last = std::min((offset + bytes + page - 1) / page * page, of.second.bytes);
+    letGoOf(of, first, last - first);  // which may wait for the disk: the array is the caller's, and stays
 }
 
-void Residency::letGoOf(const std::pair<std::byte* const, Mapped>& mapped, std::size_t offset, std::size_t bytes)
+void Residency::letGoOf(const std::pair<std::byte*, Mapped>& mapped, std::size_t offset, std::size_t bytes)
 {
     (void)::madvise(mapped.first + offset, bytes, MADV_DONTNEED);
     // Columns go on their way to the disk, so that the system has few pages that it cannot drop. Those of what is

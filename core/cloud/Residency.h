@@ -72,7 +72,7 @@ private:
         BufferUse use = BufferUse::Points;
     };
     bool letGoOf(BufferUse use, std::uint64_t goal);
-    static void letGoOf(const std::pair<std::byte* const, Mapped>& mapped, std::size_t offset, std::size_t bytes);
+    static void letGoOf(const std::pair<std::byte*, Mapped>& mapped, std::size_t offset, std::size_t bytes);
 
     mutable std::mutex m_mutex;  ///< guards what follows; pages are let go of while it is held
     std::condition_variable_any m_wake;

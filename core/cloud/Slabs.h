@@ -26,6 +26,12 @@ inline constexpr std::size_t kTaskWords = 1024;
 void forEachSlab(const PointCloud& cloud, Progress& progress,
                  const std::function<void(std::size_t firstWord, std::size_t lastWord)>& task);
 
+/// The points that some words of a set over `points` points stand for.
+inline PointRange pointsOfWords(PointIndex points, std::size_t firstWord, std::size_t lastWord) noexcept
+{
+    return {PointIndex(firstWord) * 64, std::min(points, PointIndex(lastWord) * 64)};
+}
+
 /// The points of a word of a set over `points` points that are not in `hidden`; null: none is.
 inline std::uint64_t shownBits(PointIndex points, const PointSet* hidden, std::size_t word) noexcept
 {
@@ -38,7 +44,7 @@ inline std::uint64_t shownBits(PointIndex points, const PointSet* hidden, std::s
 inline PointIndex shownIn(PointIndex points, const PointSet* hidden, std::size_t firstWord,
                           std::size_t lastWord) noexcept
 {
-    if (hidden == nullptr) return std::min(points, PointIndex(lastWord) * 64) - PointIndex(firstWord) * 64;
+    if (hidden == nullptr) return pointsOfWords(points, firstWord, lastWord).size();
     PointIndex shown = 0;
     for (std::size_t w = firstWord; w != lastWord; ++w)
         shown += PointIndex(std::popcount(shownBits(points, hidden, w)));

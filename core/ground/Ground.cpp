@@ -64,9 +64,9 @@ GroundScope scopeOf(const PointCloud& cloud, const Attribute& classes, const Cla
     progress.begin("Looking at returns", cloud.size());
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
         std::array<std::uint8_t, kGroundPointsAtOnce> code, n, of, gone;
-        const PointIndex end = std::min<PointIndex>(cloud.size(), PointIndex(lastWord) * 64);
-        for (PointIndex first = PointIndex(firstWord) * 64; first < end; first += kGroundPointsAtOnce) {
-            const PointRange range{first, std::min<PointIndex>(end, first + kGroundPointsAtOnce)};
+        const PointRange all = pointsOfWords(cloud.size(), firstWord, lastWord);
+        for (PointIndex first = all.first; first < all.last; first += kGroundPointsAtOnce) {
+            const PointRange range{first, std::min<PointIndex>(all.last, first + kGroundPointsAtOnce)};
             classes.gatherBits(range, code.data());
             number.gather(range, n.data());
             count.gather(range, of.data());
@@ -191,8 +191,7 @@ std::unique_ptr<Command> GroundStep::make(const PointCloud& cloud, const StepVal
         PointIndex here = 0;
         for (std::size_t first = firstWord; first < lastWord; first += kGroundPointsAtOnce / 64) {
             const std::size_t last = std::min(lastWord, first + kGroundPointsAtOnce / 64);
-            const PointRange range{PointIndex(first) * 64,
-                                   std::min<PointIndex>(cloud.size(), PointIndex(last) * 64)};
+            const PointRange range = pointsOfWords(cloud.size(), first, last);
             classes.gatherBits(range, code.data());
             scope.free.forEachInWords(first, last, [&](PointIndex i) {
                 const bool is = scope.last.contains(i) && asker.isGround(i),

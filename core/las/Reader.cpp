@@ -33,7 +33,7 @@ constexpr std::uint64_t kSlicePoints = 64;       ///< whole cache lines in each 
 constexpr std::uint64_t kMostInBlock = 1 << 14;  ///< points, LAS
 /// LAS: blocks that a thread reads in a row, because points of neighboring blocks share cache lines where they go.
 constexpr std::uint64_t kRowOfBlocks = 4;
-constexpr std::size_t kRowOfChunks = 16;
+constexpr std::size_t kRowOfChunks = 16;  ///< LAZ: chunks read one after another, where first points are known
 constexpr std::uint64_t kMostInBatch = 1 << 16;  ///< points handed on at once, LAZ
 constexpr std::size_t kMostWarnings = 10;        ///< of damaged chunks, one sentence each
 constexpr std::uint64_t kDecodeStep = 2048;      ///< points between two looks at the cancel flag

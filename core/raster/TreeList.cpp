@@ -110,7 +110,7 @@ PartsOfTrees partsOfTrees(const PointCloud& cloud, const Attribute& ids, const P
     std::mutex mutex;
     progress.begin("Listing trees", cloud.size());
     forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
-        const PointRange range{PointIndex(firstWord) * 64, std::min(cloud.size(), PointIndex(lastWord) * 64)};
+        const PointRange range = pointsOfWords(cloud.size(), firstWord, lastWord);
         std::vector<double> numbers(range.size());
         ids.read(range, numbers.data());
         const auto x = cloud.rawX(), y = cloud.rawY(), z = cloud.rawZ();

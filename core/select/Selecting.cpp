@@ -170,7 +170,7 @@ void forMembers(const PointSet& points, Progress& progress, Visit visit)
         points.forEachInWords(first, last, [&](PointIndex i) {
             if (!progress.cancelled()) visit(i);
         });
-        progress.add(std::min(points.size(), PointIndex(last) * 64) - PointIndex(first) * 64);
+        progress.add(pointsOfWords(points.size(), first, last).size());
     });
     progress.check();
 }

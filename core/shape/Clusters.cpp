@@ -3,15 +3,13 @@
 
 #include "core/Text.h"
 #include "core/cloud/PointRanks.h"
+#include "core/cloud/Slabs.h"
 #include "core/neighbors/Neighbors.h"
 #include "core/process/FilledAttribute.h"
 #include "core/process/Marking.h"
 #include "core/process/ObjectNumbers.h"
 #include "core/process/Values.h"
 #include "core/task/Progress.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -60,19 +58,14 @@ private:
     std::vector<std::atomic<std::uint32_t>> m_parent;
 };
 
-constexpr PointIndex kClusterPiece = 1 << 16;  ///< points between two looks at the cancel flag
-
-/// Calls each(range) for pieces of all points, in parallel. Throws Cancelled.
+/// Calls each(range) for slabs of all points, in parallel. Throws Cancelled.
 template <typename Each>
-void forPieces(const PointCloud& cloud, const char* stage, Progress& progress, Each&& each)
+void forPieces(const PointCloud& cloud, const char* stage, Progress& progress, const Each& each)
 {
     progress.begin(stage, cloud.size());
-    tbb::parallel_for(tbb::blocked_range<PointIndex>(0, cloud.size(), kClusterPiece), [&](const auto& range) {
-        if (progress.cancelled()) return;
-        each(PointRange{range.begin(), range.end()});
-        progress.add(range.size());
+    forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
+        each(pointsOfWords(cloud.size(), firstWord, lastWord));
     });
-    progress.check();
 }
 
 /// The sets that have points: their roots, and how many points each has.

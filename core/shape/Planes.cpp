@@ -2,6 +2,7 @@
 #include "core/shape/Planes.h"
 
 #include "core/Text.h"
+#include "core/cloud/Slabs.h"
 #include "core/cloud/Visibility.h"
 #include "core/process/FilledAttribute.h"
 #include "core/process/Marking.h"
@@ -23,7 +24,6 @@ namespace
 
 constexpr double kBlurredCosine =
     0.5;  ///< at edges normals are those of both sides together: 45 degrees off, and noise
-constexpr std::size_t kPlaneCheck = 1 << 16;  ///< points between two looks at the cancel flag
 
 /// What is known of a point's plane becomes the number of its region, plus 1; 0: none. Counts points of regions.
 class PointRegions
@@ -225,10 +225,10 @@ std::unique_ptr<Command> PlanesStep::make(const PointCloud& cloud, const StepVal
         numbersOf(found.counts, options.points, firstNumber(ids, planes, within, progress));
     std::atomic<std::size_t> inPlanes = 0;
     progress.begin("Numbering planes", cloud.size());
-    tbb::parallel_for(tbb::blocked_range<PointIndex>(0, cloud.size(), kPlaneCheck), [&](const auto& range) {
-        if (progress.cancelled()) return;
+    forEachSlab(cloud, progress, [&](std::size_t firstWord, std::size_t lastWord) {
+        const PointRange range = pointsOfWords(cloud.size(), firstWord, lastWord);
         std::size_t count = 0;
-        for (PointIndex i = range.begin(); i != range.end(); ++i) {
+        for (PointIndex i = range.first; i < range.last; ++i) {
             if (leftOut && leftOut->contains(i)) continue;
             const std::uint32_t region = found.regionOf[i];
             const std::uint32_t number = region == 0 ? 0 : numbers[region - 1];
@@ -236,9 +236,7 @@ std::unique_ptr<Command> PlanesStep::make(const PointCloud& cloud, const StepVal
             count += number != 0;
         }
         inPlanes += count;
-        progress.add(range.size());
     });
-    progress.check();
 
     auto command = std::make_unique<AttributesCommand>("Planes", std::vector<Attribute>{ids.attribute()});
     command->setFinding(planes == 0 ? "No planes."

@@ -81,9 +81,7 @@ bool FrameScheduler::fill(ViewClouds& clouds, const FrameScene& scene, PointDraw
 
         ViewCloud& cloud = *clouds[next];
         const Slot slots = cloud.store->slotCount(), window = cloud.store->order().windowSize();
-        const VisibleStretches* const partly = scene.layers[next].visible && scene.layers[next].visible->partly()
-                                                   ? scene.layers[next].visible.get()
-                                                   : nullptr;
+        const VisibleStretches* const partly = cloud.partly ? scene.layers[next].visible.get() : nullptr;
         const std::uint64_t affordable = m_cost.affordable(std::max(0.0, deadline - started));
         std::uint64_t run = 0;
         if (m_pointsAFrame > 0) {

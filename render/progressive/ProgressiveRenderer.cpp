@@ -392,8 +392,7 @@ bool ProgressiveRenderer::converged() const noexcept
 
 bool ProgressiveRenderer::drawsPartly() const noexcept
 {
-    return std::any_of(m_scene.layers.begin(), m_scene.layers.end(),
-                       [](const Layer& layer) { return layer.visible && layer.visible->partly(); });
+    return std::any_of(m_clouds.begin(), m_clouds.end(), [](const auto& cloud) { return cloud->partly; });
 }
 
 PointIndex ProgressiveRenderer::pointsInSight() const noexcept

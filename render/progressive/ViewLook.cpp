@@ -79,7 +79,7 @@ void makeScene(ViewClouds& clouds, const ViewLook& look, const TargetSize& size,
         const bool hides = layer.clip.on || cloud->store->hidesAny() || !allClasses;
         const Detail detail = partly && !hides && cloud->store->beyondMemory() ? Detail::OfScreen : Detail::All;
         // While a file loads the boxes still grow. Of what is drawn partly, they are looked at anew with each pass.
-        const bool growing = cloud->store->filled() < cloud->store->cloud().size();
+        const bool growing = !cloud->store->full();
         if (detail == Detail::All && growing) continue;
         const auto visible = std::make_shared<const VisibleStretches>(layer, size, detail);
         if (growing && !visible->partly()) continue;

@@ -58,6 +58,12 @@ bool outOfSight(const Layer& layer, const LocalBox& box, std::span<const LinearS
 
 }  // namespace
 
+/// Where a stretch comes to lie; the share of its windows that is drawn where nobody knows.
+struct VisibleStretches::Seen {
+    std::optional<ScreenRect> rect;
+    double shareElse = 1.0;
+};
+
 void VisibleStretches::Level::add(SlotRange range)
 {
     if (!places.empty() && places.back().last == range.first)
@@ -73,30 +79,32 @@ VisibleStretches::VisibleStretches(const Layer& layer, const TargetSize& size, D
     const PointStore& store = *layer.store;
     const std::size_t stretches = store.stretches();
     if (stretches == 0) return;
-    const bool partly = detail == Detail::OfScreen, growing = store.filled() < store.cloud().size();
+    const bool partly = detail == Detail::OfScreen, growing = !store.full();
     const std::vector<LinearSide> sides = sidesOf(layer, size);
     // The cloud makes its boxes anew for whoever asks while it is read.
     const BlockBoxes* const arriving = growing ? store.cloud().arriving() : nullptr;
     const std::shared_ptr<const BlockBoxes> known = arriving == nullptr ? store.boxes() : nullptr;
     const BlockBoxes& boxes = arriving != nullptr ? *arriving : *known;
-    std::vector<std::optional<ScreenRect>> rects;  // of each in the list, by Detail::OfScreen
+    std::vector<Seen> seen;  // by Detail::OfScreen, each in the list
     for (std::size_t k = 0; k < stretches; ++k) {
         const LocalBox box = store.frame().toLocal(boxes[k]);
         // While points arrive, the first ones of a stretch may be there, but not in the box yet.
         if (box.empty() && !(partly && growing)) continue;
         if (!box.empty() && outOfSight(layer, box, sides)) continue;
         m_list.push_back(std::uint32_t(k));
-        if (partly) rects.push_back(box.empty() ? ScreenRect() : screenRect(layer.projection, box));
+        if (!partly) continue;
+        const auto rect = box.empty() ? std::nullopt : screenRect(layer.projection, box);
+        // of what reaches behind the eye all is drawn, and of what is not known no more than has to be
+        seen.push_back({rect, box.empty() ? 0.0 : 1.0});
     }
-    if (partly) chooseWindows(layer, size, growing, boxes, rects);
-    m_levels.resize(1);
-    for (std::size_t i = 0; i < m_list.size(); ++i) {
-        const Slot first = Slot(m_list[i]) * m_stretchPlaces;
+    if (partly) chooseWindows(store, size, growing, seen);
+    for (const std::uint32_t stretch : m_list) {
+        const Slot first = Slot(stretch) * m_stretchPlaces;
         const SlotRange places{first, std::min(m_window, first + m_stretchPlaces)};
         m_levels[0].add(places);
-        if (m_windows.empty()) continue;
-        m_levels.resize(std::max(m_levels.size(), std::size_t(std::bit_width(m_windows[i]))));
-        for (std::size_t level = 1; (std::uint32_t(1) << level) <= m_windows[i]; ++level)
+        if (!this->partly()) continue;
+        m_levels.resize(std::max(m_levels.size(), std::size_t(std::bit_width(windows(stretch)))));
+        for (std::size_t level = 1; (std::uint32_t(1) << level) <= windows(stretch); ++level)
             m_levels[level].add(places);
     }
     const Slot slots = store.slotCount();
@@ -104,33 +112,26 @@ VisibleStretches::VisibleStretches(const Layer& layer, const TargetSize& size, D
     m_all = m_list.size() == stretches && m_windows.empty();
 }
 
-/// As many windows of each as the screen can show where it comes to lie, as a power of two. `rects`: where each of
-/// the list does; none for those that are drawn wholly.
-void VisibleStretches::chooseWindows(const Layer& layer, const TargetSize& size, bool growing,
-                                     const BlockBoxes& boxes, std::span<const std::optional<ScreenRect>> rects)
+/// As many windows of each as the screen can show where it comes to lie, as a power of two.
+void VisibleStretches::chooseWindows(const PointStore& store, const TargetSize& size, bool growing,
+                                     std::span<const Seen> seen)
 {
-    const std::uint32_t all = layer.store->order().memberMask() + 1;
+    const std::uint32_t all = store.order().memberMask() + 1;
     const std::uint64_t inWindow = std::max<std::uint64_t>(1, m_list.size() * m_stretchPlaces);
-    const auto least = std::uint32_t(growing ? std::clamp<std::uint64_t>(kSlotsOfGrowing / inWindow, 1, all) : 1);
+    const std::uint64_t least = growing ? std::clamp<std::uint64_t>(kSlotsOfGrowing / inWindow, 1, all) : 1;
     ScreenDensity density(size);
-    for (std::size_t i = 0; i < m_list.size(); ++i)
-        if (rects[i] && !boxes[m_list[i]].empty()) density.add(*rects[i], double(PointStore::kStretchPoints));
+    for (const Seen& each : seen)
+        if (each.rect) density.add(*each.rect, double(PointStore::kStretchPoints));
     density.finish(kPointsAPixel);
-    m_windows.reserve(m_list.size());
+    m_windows.assign(store.stretches(), 0);
+    bool some = false;
     for (std::size_t i = 0; i < m_list.size(); ++i) {
-        std::uint32_t windows = all;
-        if (boxes[m_list[i]].empty())
-            windows = 1;
-        else if (rects[i])
-            windows = std::min(all, std::bit_ceil(std::uint32_t(std::ceil(density.share(*rects[i]) * all))));
-        m_windows.push_back(std::max(windows, std::bit_floor(least)));
+        const double share = seen[i].rect ? density.share(*seen[i].rect) : seen[i].shareElse;
+        const auto wanted = std::min(all, std::bit_ceil(std::uint32_t(std::ceil(share * all))));
+        m_windows[m_list[i]] = std::max(wanted, std::bit_floor(std::uint32_t(least)));
+        some = some || m_windows[m_list[i]] < all;
     }
-    if (std::all_of(m_windows.begin(), m_windows.end(), [&](std::uint32_t w) { return w == all; })) {
-        m_windows.clear();
-        return;
-    }
-    m_windowsOf.assign(layer.store->stretches(), 0);
-    for (std::size_t i = 0; i < m_list.size(); ++i) m_windowsOf[m_list[i]] = m_windows[i];
+    if (!some) m_windows.clear();
 }
 
 auto VisibleStretches::levelOf(std::uint64_t window) const noexcept -> const Level&

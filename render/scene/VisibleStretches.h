@@ -4,15 +4,14 @@
 #include "render/order/SlotOrder.h"
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 namespace punctum::render
 {
 
+class PointStore;
 struct Layer;
-struct ScreenRect;
 struct TargetSize;
 
 /// Of what is in sight, what a picture asks for.
@@ -50,16 +49,13 @@ public:
     double share() const noexcept { return m_share; }
     /// Some stretches in sight are not drawn in all windows.
     bool partly() const noexcept { return !m_windows.empty(); }
-    /// Windows, from the first one, in which a stretch is drawn, by its place in list().
-    std::uint32_t windows(std::size_t place) const noexcept
+    /// Windows, from the first one, in which a stretch of the list() is drawn.
+    std::uint32_t windows(std::size_t stretch) const noexcept
     {
-        return m_windows.empty() ? UINT32_MAX : m_windows[place];
+        return m_windows.empty() ? UINT32_MAX : m_windows[stretch];
     }
     /// Whether a slot is drawn. For partly().
-    bool draws(Slot slot) const noexcept
-    {
-        return slot / m_window < m_windowsOf[slot % m_window / m_stretchPlaces];
-    }
+    bool draws(Slot slot) const noexcept { return slot / m_window < m_windows[slot % m_window / m_stretchPlaces]; }
     /// How many slots of a run of whole windows are drawn.
     std::uint64_t drawn(SlotRange slots) const noexcept;
     /// The end of the run of whole windows from `first` on in which so many slots are drawn; at most `last`.
@@ -75,16 +71,15 @@ private:
         std::uint64_t count = 0;        ///< of these slots
         void add(SlotRange range);
     };
-    void chooseWindows(const Layer& layer, const TargetSize& size, bool growing, const BlockBoxes& boxes,
-                       std::span<const std::optional<ScreenRect>> rects);
+    struct Seen;
+    void chooseWindows(const PointStore& store, const TargetSize& size, bool growing, std::span<const Seen> seen);
     const Level& levelOf(std::uint64_t window) const noexcept;
 
     Slot m_window = 1, m_stretchPlaces = 1;  ///< slots of a window of the order, and of a stretch in it
     /// Of window 0, of window 1, of 2 and 3, of 4 to 7, ...; by Detail::All a single one.
     std::vector<Level> m_levels;
     std::vector<std::uint32_t> m_list;
-    std::vector<std::uint32_t> m_windows;    ///< of each in the list; empty: all
-    std::vector<std::uint32_t> m_windowsOf;  ///< of each stretch, of those out of sight 0; for partly()
+    std::vector<std::uint32_t> m_windows;  ///< of each stretch, of those out of sight 0; empty: all
     double m_share = 1.0;
     bool m_all = true;
 };

@@ -88,7 +88,7 @@ std::unique_ptr<Arrangement> PointStore::arrangement(const RawBounds& bounds, Pr
                                                      double worth) const
 {
     const PointIndex points = m_cloud->size();
-    if (m_order.kind() != OrderKind::Stratified || arranged() || filled() < points || points == 0) return nullptr;
+    if (m_order.kind() != OrderKind::Stratified || arranged() || !full() || points == 0) return nullptr;
     // A view may go on without: what is left of the memory is for what cannot.
     if (points > availableMemory() / 2 / kBytesAPoint) return nullptr;
     const double before = shareOfTenth(*m_cloud->boxes(), bounds);

@@ -63,6 +63,8 @@ public:
     bool isFilled(PointIndex index) const noexcept;
     /// Points taken so far.
     PointIndex filled() const noexcept { return m_filled.load(std::memory_order_acquire); }
+    /// All points were taken.
+    bool full() const noexcept { return filled() >= m_cloud->size(); }
     /// True when a point did not fit into the frame (firstBounds was wrong): call setBounds() when loading has
     /// ended.
     bool outgrown() const noexcept { return m_outgrown.load(std::memory_order_relaxed); }

@@ -73,11 +73,7 @@ void put(PointCloud& cloud, PointIndex i, double x, double y, double z, std::uin
 Cloud makeHills(PointIndex ground, PointIndex above, double side = 100, unsigned seed = 5)
 {
     const auto cloud = makeFrame(ground + above, {glm::dvec3(0.01), glm::dvec3(5000, 7000, 0)});
-    CoordinateUnits units;
-    units.kind = CoordinateUnits::Kind::Lengths;
-    units.horizontal = units.vertical = "m";
-    units.horizontalSize = units.verticalSize = 1;
-    cloud->setUnits(units);
+    setMeters(*cloud);
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> unit;
     for (PointIndex i = 0; i < ground + above; ++i) {
@@ -155,11 +151,7 @@ Cloud makeVillage()
     add(400, 5, [&] { return Three{10 + 30 * unit(random), 70 + unit(random), 2.5}; });         // a hedge
     add(1500, 17, [&] { return Three{69 + 22 * unit(random), 48 + 4 * unit(random), 0.02}; });  // the bridge
     const auto cloud = makeFrame(made.size(), {glm::dvec3(0.01), glm::dvec3(0)});
-    CoordinateUnits units;
-    units.kind = CoordinateUnits::Kind::Lengths;
-    units.horizontal = units.vertical = "m";
-    units.horizontalSize = units.verticalSize = 1;
-    cloud->setUnits(units);
+    setMeters(*cloud);
     for (std::size_t i = 0; i < made.size(); ++i)
         put(*cloud, i, 100 * made[i].x, 100 * made[i].y, 100 * made[i].z, made[i].code);
     return cloud;
@@ -413,11 +405,7 @@ private slots:
     void vegetationByHeight()
     {
         const auto cloud = makeFrame(103, {glm::dvec3(0.01), glm::dvec3(0)});
-        CoordinateUnits units;
-        units.kind = CoordinateUnits::Kind::Lengths;
-        units.horizontal = units.vertical = "m";
-        units.horizontalSize = units.verticalSize = 1;
-        cloud->setUnits(units);
+        setMeters(*cloud);
         for (PointIndex i = 0; i < 100; ++i)
             put(*cloud, i, double(100 * i), double(100 * (i % 10)), double(10 * i), 1);
         put(*cloud, 100, 0, 0, 0, 2);

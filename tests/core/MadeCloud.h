@@ -93,6 +93,16 @@ inline std::shared_ptr<PointCloud> makeFrame(PointIndex points, CoordinateScale 
     return cloud;
 }
 
+/// The unit of length of all its axes is the meter.
+inline void setMeters(PointCloud& cloud)
+{
+    CoordinateUnits units;
+    units.kind = CoordinateUnits::Kind::Lengths;
+    units.horizontal = units.vertical = "m";
+    units.horizontalSize = units.verticalSize = 1;
+    cloud.setUnits(units);
+}
+
 /// Raw coordinates of one axis, to be filled.
 inline std::span<std::int32_t> rawAxis(PointCloud& cloud, std::size_t axis)
 {

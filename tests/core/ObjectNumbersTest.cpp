@@ -31,11 +31,7 @@ Cloud makeSquares()
 {
     constexpr PointIndex kGround = 80 * 40;
     const auto cloud = makeFrame(3 * kSquare * kSquare + kGround, {glm::dvec3(0.01), glm::dvec3(0)});
-    CoordinateUnits units;
-    units.kind = CoordinateUnits::Kind::Lengths;
-    units.horizontal = units.vertical = "m";
-    units.horizontalSize = units.verticalSize = 1;
-    cloud->setUnits(units);
+    setMeters(*cloud);
     const auto classes = cloud->findAttribute("Classification")->columns[0]->values<std::uint8_t>();
     const auto put = [&](PointIndex i, double x, double y, double z, std::uint8_t code) {
         rawAxis(*cloud, 0)[i] = std::int32_t(std::lround(100 * x));

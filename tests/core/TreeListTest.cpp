@@ -34,11 +34,7 @@ Cloud makeWood(std::vector<MadePoint> points, unsigned seed)
 {
     std::shuffle(points.begin(), points.end(), std::mt19937(seed));
     const auto cloud = makeFrame(points.size(), {glm::dvec3(0.01), glm::dvec3(500'000, 5'000'000, 100)});
-    CoordinateUnits units;
-    units.kind = CoordinateUnits::Kind::Lengths;
-    units.horizontal = units.vertical = "m";
-    units.horizontalSize = units.verticalSize = 1;
-    cloud->setUnits(units);
+    setMeters(*cloud);
     const auto codes = cloud->findAttribute("Classification")->columns[0]->values<std::uint8_t>();
     const auto trees = addScalar<std::uint8_t>(*cloud, "Tree");
     for (std::size_t i = 0; i < points.size(); ++i) {

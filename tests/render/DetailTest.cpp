@@ -16,6 +16,7 @@ using namespace punctum::render;
 using test::cameraFor;
 using test::differing;
 using test::filledStore;
+using test::layerOf;
 using test::randomCamera;
 using View = test::CpuView;
 
@@ -35,10 +36,9 @@ std::shared_ptr<PointStore> storeBeyond(const std::shared_ptr<PointCloud>& cloud
     return store;
 }
 
-/// As the renderer of one cloud makes it.
 VisibleStretches stretchesOf(const PointStore& store, const Camera& camera)
 {
-    return {Layer{&store, 0, makeProjection(camera, store, kSize, {})}, kSize, Detail::OfScreen};
+    return {layerOf(store, camera), kSize, Detail::OfScreen};
 }
 
 Camera fartherBy(Camera camera, double times)

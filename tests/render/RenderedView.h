@@ -94,6 +94,15 @@ struct CpuView : RenderedView {
     int converge(double budget = kTinyBudget) { return RenderedView::converge(budget); }
 };
 
+/// A cloud's layer in a picture of CpuView's size, as the renderer makes it.
+inline render::Layer layerOf(const render::PointStore& store, const render::Camera& camera, const Clip& clip = {},
+                             const render::PointStyle& style = {})
+{
+    render::Layer layer{&store, 0, render::makeProjection(camera, store, render::TargetSize{320, 200, 1}, style)};
+    layer.clip = render::makeClip(clip, store, layer.projection.reference);
+    return layer;
+}
+
 /// Pixels that are not the same in both.
 inline int differing(const render::Image& a, const render::Image& b)
 {

@@ -15,6 +15,7 @@ using namespace punctum::render;
 using test::cameraFor;
 using test::differing;
 using test::filledStore;
+using test::layerOf;
 using test::randomCamera;
 using View = test::CpuView;
 
@@ -22,14 +23,6 @@ namespace
 {
 
 constexpr PointIndex kPoints = 400'000;
-
-/// As the renderer makes it.
-Layer layerOf(const PointStore& store, const Camera& camera, const Clip& clip = {}, const PointStyle& style = {})
-{
-    Layer layer{&store, 0, makeProjection(camera, store, TargetSize{320, 200, 1}, style)};
-    layer.clip = makeClip(clip, store, layer.projection.reference);
-    return layer;
-}
 
 }  // namespace
 

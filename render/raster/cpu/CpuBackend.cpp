@@ -230,13 +230,12 @@ void forEachBlock(const Drawing& d, const Layer& layer, SlotRange slots, const E
             const auto together = list.subspan(group, std::min(kStretchesTogether, r.end() - group));
             pieces.clear();
             std::uint64_t last = firstWindow;
-            for (std::size_t k = 0; k < together.size(); ++k)
-                last = std::max<std::uint64_t>(last, visible.windows(group + k));
+            for (const std::uint32_t stretch : together)
+                last = std::max<std::uint64_t>(last, visible.windows(stretch));
             for (std::uint64_t w = firstWindow; w < std::min(last, lastWindow); ++w) {
                 const std::uint64_t begin = w * window;
-                for (std::size_t k = 0; k < together.size(); ++k) {
-                    if (w >= visible.windows(group + k)) continue;
-                    const std::uint64_t stretch = together[k];
+                for (const std::uint32_t stretch : together) {
+                    if (w >= visible.windows(stretch)) continue;
                     const std::uint64_t first = std::max<std::uint64_t>(slots.first, begin + stretch * places);
                     const std::uint64_t end =
                         std::min({std::uint64_t(slots.last), begin + window, begin + (stretch + 1) * places});

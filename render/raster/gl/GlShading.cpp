@@ -55,7 +55,7 @@ void GlBackend::updateVisible(const FrameScene& scene, GlPointCopy::Part part)
         const auto encoder = store.encoder();
         if (!copy.encoder) copy.encoder = encoder;
         if (copy.encoder != encoder || store.stale()) copy.wordsOutdated = true;
-        const bool loading = store.filled() < store.cloud().size();
+        const bool loading = !store.full();
         if (part == GlPointCopy::Part::Groups) copy.requireGroups();
 
         const std::size_t stale = copy.staleBlocks(store, part);
