@@ -139,8 +139,9 @@ const StepDescription& BuildingsStep::description() const
         .title = "Buildings",
         .group = StepGroup::Objects,
         .help =
-            "Classifies what has a roof: flat pieces above the ground that are large and wide enough, and what "
-            "is below them. Decks that come down to the ground, such as bridges, are none. Heights are those of "
+            "Classifies what has a roof: flat pieces above the ground that are large and wide enough, what is "
+            "below them, and what stands on them. Decks that come down to the ground, such as bridges, are none. "
+            "Heights are those of "
             "HeightAboveGround, or measured from the ground.",
         .source = "Rabbani, van den Heuvel and Vosselman 2006",
         .parameters = {{.key = "height",
@@ -170,6 +171,16 @@ const StepDescription& BuildingsStep::description() const
                         .type = Type::Choice,
                         .preset = "yes",
                         .choices = {"yes", "no"}},
+                       {.key = "rooftop",
+                        .label = "On roofs",
+                        .help =
+                            "With walls, what rises above a roof by no more than this, such as parapets, chimneys "
+                            "and dormers, is of the building, too.",
+                        .fit = {.meters = 1.5},
+                        .min = 0,
+                        .max = 1e6,
+                        .advanced = true,
+                        .unit = Unit::Length},
                        {.key = "roughness",
                         .label = "Roughness",
                         .help =
@@ -255,7 +266,7 @@ std::unique_ptr<Command> BuildingsStep::make(const PointCloud& cloud, const Step
     }
     const TrueLengths lengths = trueLengths(cloud);
     const double stepZ = std::fabs(cloud.coordinates().scale[2]) * lengths.stretch[2];
-    const double above = 3 * options.roughness;
+    const double above = 3 * options.roughness, onRoof = std::max(above, *realValue(values, "rooftop"));
 
     auto found = std::make_shared<PointSet>(cloud.size());
     const ClassReader classOf(cloud);
@@ -275,7 +286,8 @@ std::unique_ptr<Command> BuildingsStep::make(const PointCloud& cloud, const Step
                     const std::size_t other = grid.beside(cell, dx, dy);
                     if (other != CellGrid::kNone && areas.inside[other] != 0) most = std::max(most, tops[other]);
                 }
-            if (most != INT32_MIN && (double(z[i]) - double(most)) * stepZ <= above) found->insert(i);
+            const double room = areas.inside[cell] != 0 ? onRoof : above;
+            if (most != INT32_MIN && (double(z[i]) - double(most)) * stepZ <= room) found->insert(i);
         });
     });
     if (within != nullptr) found->intersect(*within);

@@ -29,12 +29,6 @@ using namespace punctum;
 namespace
 {
 
-#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-constexpr bool kQuick = true;
-#else
-constexpr bool kQuick = false;
-#endif
-
 using Cloud = std::shared_ptr<PointCloud>;
 
 std::unique_ptr<Command> run(const PointCloud& cloud, const std::string& text, const PointSet* within = nullptr)
@@ -185,7 +179,7 @@ private slots:
     /// Piece by piece as from one triangulation of everything; beyond the rim, the nearest point.
     void triangulatedLikeTheWhole()
     {
-        const PointIndex ground = kQuick ? 60'000 : 20'000, above = kQuick ? 40'000 : 5'000;
+        const PointIndex ground = kFastBuild ? 60'000 : 20'000, above = kFastBuild ? 40'000 : 5'000;
         const Cloud cloud = makeHills(ground, above);
         // some beyond the rim, and a hole in the ground
         for (PointIndex i = ground; i < ground + 500; ++i) rawAxis(*cloud, 0)[i] += 12'000;
@@ -440,6 +434,37 @@ private slots:
         for (const int other : {1, 2, 5, 17}) QCOMPARE(counts[other][1], std::size_t(0));
     }
 
+    /// A parapet stands on the roof, a mast is too high for it, and branches hang beside it.
+    void whatStandsOnRoofs()
+    {
+        const Cloud village = makeVillage();
+        const PointIndex before = village->size();
+        const auto cloud = makeFrame(before + 300, village->coordinates());
+        setMeters(*cloud);
+        const auto classes = village->findAttribute("Classification")->columns[0]->values<std::uint8_t>();
+        for (PointIndex i = 0; i < before; ++i)
+            put(*cloud, i, village->rawX()[i], village->rawY()[i], village->rawZ()[i], classes[i] == 2 ? 2 : 1);
+        for (PointIndex k = 0; k < 100; ++k) {  // the flat roof is 4 m high, from 10 to 30 m and 10 to 20 m
+            const double along = 1200 + 16 * double(k);
+            put(*cloud, before + k, along, 1050, 400 + double(k), 1);
+            put(*cloud, before + 100 + k, 2000, 1500, 600 + 2 * double(k), 1);
+            put(*cloud, before + 200 + k, along, 850, 450, 1);
+        }
+        const auto count = [&](PointIndex first) {
+            const auto found = valuesOf(*cloud, "Classification");
+            return std::count(found.begin() + std::ptrdiff_t(first), found.begin() + std::ptrdiff_t(first + 100),
+                              6.0);
+        };
+        const auto command = run(*cloud, "buildings");
+        command->apply(*cloud);
+        QCOMPARE(count(before), 100);
+        QCOMPARE(count(before + 100), 0);
+        QCOMPARE(count(before + 200), 0);
+        command->apply(*cloud);
+        apply(*cloud, "buildings rooftop=0.5");
+        QVERIFY(count(before) >= 50 && count(before) < 60);  // roofs themselves are uneven by some centimeters
+    }
+
     /// Points of class 6 that are found, and points found that are of class 6, over IGN's tiles.
     void buildingsOfRealTiles()
     {
@@ -464,7 +489,7 @@ private slots:
             missed += own[2];
         }
         QVERIFY(double(right) > 0.88 * double(right + wrong));
-        QVERIFY(double(right) > 0.91 * double(right + missed));
+        QVERIFY(double(right) > 0.95 * double(right + missed));
     }
 
     void bridgesAreNoBuildings()
@@ -550,7 +575,7 @@ private slots:
     void cancels()
     {
         QFETCH(QString, step);
-        static const Cloud cloud = makeHills(kQuick ? 300'000 : 30'000, kQuick ? 700'000 : 30'000, 400);
+        static const Cloud cloud = makeHills(kFastBuild ? 300'000 : 30'000, kFastBuild ? 700'000 : 30'000, 400);
         const ParsedStep parsed = parseStep(step.toStdString());
         for (const int after : {0, 30, 150}) {
             Progress progress;
@@ -571,7 +596,7 @@ private slots:
             worker.join();
             const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
             QVERIFY(!early || cancelled || ended);
-            if (kQuick) QVERIFY2(took.count() < 0.5, qPrintable(QString::number(took.count())));
+            if (kFastBuild) QVERIFY2(took.count() < 0.5, qPrintable(QString::number(took.count())));
         }
     }
 };

@@ -21,6 +21,14 @@ namespace punctum
 inline const tbb::global_control kOneThread(tbb::global_control::max_allowed_parallelism, 1);
 #endif
 
+/// Whether this is optimized, and no sanitizer's: then there are as many points as a real tile has, and promises on
+/// time are checked, with much room, as other work may run beside.
+#if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+inline constexpr bool kFastBuild = true;
+#else
+inline constexpr bool kFastBuild = false;
+#endif
+
 /// The C++ type of a column -> its ScalarType.
 template <typename T>
 constexpr ScalarType scalarTypeOf()

@@ -79,7 +79,7 @@ void NeighborsTest::orderHoldsEveryPointOnce()
 void NeighborsTest::nearestAreExact()
 {
     QFETCH(QString, kind);
-    const auto cloud = makeTrouble(kind.toStdString(), kFast ? 80'000 : 40'000);  // more than one tile
+    const auto cloud = makeTrouble(kind.toStdString(), kFastBuild ? 80'000 : 40'000);  // more than one tile
     Progress progress;
     const KdOrder order(*cloud, progress);
     for (const std::size_t k : {1, 16}) {
@@ -119,7 +119,7 @@ void NeighborsTest::nearestAreExact()
 void NeighborsTest::withinIsExact()
 {
     QFETCH(QString, kind);
-    const auto cloud = makeTrouble(kind.toStdString(), kFast ? 20'000 : 5'000);
+    const auto cloud = makeTrouble(kind.toStdString(), kFastBuild ? 20'000 : 5'000);
     Progress progress;
     const KdOrder order(*cloud, progress);
     // A radius that takes in some twenty points of an ordinary place.
@@ -187,7 +187,7 @@ void NeighborsTest::orderOfSomePoints()
 void NeighborsTest::neighborsAreExact()
 {
     QFETCH(QString, kind);
-    const auto cloud = makeTrouble(kind.toStdString(), kFast ? 20'000 : 5'000);
+    const auto cloud = makeTrouble(kind.toStdString(), kFastBuild ? 20'000 : 5'000);
     Progress progress;
     const KdOrder order(*cloud, progress);
     PointSet some(cloud->size());

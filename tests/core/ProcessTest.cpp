@@ -388,13 +388,8 @@ void ProcessTest::reclassifyCancels()
 
 void ProcessTest::reclassifyIsFast()
 {
-#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-    constexpr PointIndex kPoints = 20'000'000;
-    constexpr double kLeast = 30.0;  // M points/s; ten times as many are usual, but other work may run beside this
-#else
-    constexpr PointIndex kPoints = 1'000'000;
-    constexpr double kLeast = 0.0;
-#endif
+    constexpr PointIndex kPoints = kFastBuild ? 20'000'000 : 1'000'000;
+    constexpr double kLeast = kFastBuild ? 30.0 : 0.0;  // M points/s; ten times as many are usual
     const auto cloud = makeFrame(kPoints);
     const auto z = rawAxis(*cloud, 2);
     auto intensity = addScalar<std::uint16_t>(*cloud, "Intensity");

@@ -216,9 +216,7 @@ void SampleTest::cancels()
             cancelAfter(after, [&](Progress& progress) { makeSample(20'000'000, 1, progress); });
         QVERIFY(cancelled);
         qInfo("stopped %.1f ms after the cancel", ms);
-#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-        QVERIFY2(ms < 1000.0, qPrintable(QString::number(after)));  // the rule is 100 ms; test machines are shared
-#endif
+        if (kFastBuild) QVERIFY2(ms < 1000.0, qPrintable(QString::number(after)));  // the rule is 100 ms
     }
 }
 

@@ -19,13 +19,6 @@
 namespace punctum
 {
 
-/// Whether this is optimized: then there are as many points as a real tile has, and promises on time are checked.
-#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-inline constexpr bool kFast = true;
-#else
-inline constexpr bool kFast = false;
-#endif
-
 inline void place(PointCloud& cloud, PointIndex i, double x, double y, double z)
 {
     rawAxis(cloud, 0)[i] = std::int32_t(x);

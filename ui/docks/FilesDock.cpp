@@ -82,7 +82,7 @@ FilesDock::FilesDock(Workspace& workspace, QWidget* parent)
     m_view->setModel(m_sorted);
     m_view->setShowGrid(false);
     m_view->setWordWrap(false);
-    m_view->setTextElideMode(Qt::ElideMiddle);  // tiles differ at the end of their names
+    m_view->setTextElideMode(Qt::ElideLeft);  // tiles differ at the end of their names
     m_view->setSortingEnabled(true);
     m_view->setSelectionBehavior(QAbstractItemView::SelectRows);
     m_view->setSelectionMode(QAbstractItemView::ExtendedSelection);

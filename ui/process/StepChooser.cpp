@@ -86,7 +86,9 @@ void StepChooser::mark(const Step* step)
     for (int g = 0; step != nullptr && g < m_list->topLevelItemCount(); ++g)
         for (int k = 0; k < m_list->topLevelItem(g)->childCount(); ++k) {
             QTreeWidgetItem* item = m_list->topLevelItem(g)->child(k);
-            if (item->data(0, kNameRole).toString() == toQString(step->name())) m_list->setCurrentItem(item);
+            if (item->data(0, kNameRole).toString() != toQString(step->name())) continue;
+            m_list->setCurrentItem(item);
+            m_list->scrollToItem(item, QAbstractItemView::PositionAtCenter);  // the next one is wanted, often
         }
 }
 

@@ -239,9 +239,9 @@ void SelectBar::takeCount()
         m_count->setText(tr("%1 selected").arg(pointsText(count)));
     else
         m_count->setText(
-            tr("%1 selected, %2 of them hidden").arg(pointsText(count), punctum::ui::countText(hidden)));
+            tr("%1 selected, %2 of them not visible").arg(pointsText(count), punctum::ui::countText(hidden)));
     m_count->setToolTip(
-        hidden == 0 ? QString() : tr("Hidden: behind other points, or outside of the picture. They change, too."));
+        hidden == 0 ? QString() : tr("Not visible: behind other points, or outside of the picture. They change, too."));
 }
 
 }  // namespace punctum::ui

@@ -30,7 +30,7 @@ public:
     SelectBar(Menus& menus, Workspace& workspace, Selection& selection, SelectTools& tools, EditDock& edit);
 
     QToolBar& bar() noexcept { return *m_bar; }
-    /// "1,204 points selected, 301 of them hidden".
+    /// "1,204 points selected, 301 of them not visible".
     QString countText() const;
 
 private:
