@@ -7,6 +7,7 @@
 #include "core/las/SourceFile.h"
 
 #include <bit>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
@@ -138,6 +139,17 @@ void addWaveform(LayoutMaker& make)
     make.plain("WaveformZ", ScalarType::F32);
 }
 
+/// Whether values are numbers of things, by the name: TreeId, treeID, "tree id", but not Grid.
+bool namesIds(std::string_view name)
+{
+    if (name.size() < 2) return false;
+    const char i = name[name.size() - 2], d = name.back();
+    if ((i != 'i' && i != 'I') || (d != 'd' && d != 'D')) return false;
+    if (name.size() == 2) return true;
+    const auto before = static_cast<unsigned char>(name[name.size() - 3]);
+    return std::isalpha(before) == 0 || (i == 'I' && std::islower(before) != 0);
+}
+
 void addExtra(LayoutMaker& make, const std::string& name, AttributeKind kind, ScalarType type,
               std::uint32_t components, const ExtraBytesItem* item, std::size_t k,
               std::vector<std::string>& warnings)
@@ -161,6 +173,8 @@ void addExtra(LayoutMaker& make, const std::string& name, AttributeKind kind, Sc
             a.offset = offset;
         }
     }
+    if (kind == AttributeKind::Scalar && !a.scaled && !isFloating(type) && namesIds(name))
+        a.kind = AttributeKind::Category;
     if (d.hasNoData()) {
         const std::uint64_t bits = d.bits(kDescriptorNoDataAt, k);
         if (isFloating(type))

@@ -36,6 +36,7 @@ private slots:
     void batchesCoverEachPointOnceAndSpread();
     void cancelStopsReading();
     void extraBytesAreTyped();
+    void idsAreCategories();
     void clashingNamesAreToldApart();
     void firstBoundsAreGood();
     void changedFileIsAnError();
@@ -365,6 +366,32 @@ void LasReaderTest::extraBytesAreTyped()
             QVERIFY(std::memcmp(cloud->columns()[k]->data() + i * layout.fields[k].bytes(),
                                 points.data() + i * length + layout.fields[k].offset,
                                 layout.fields[k].bytes()) == 0);
+}
+
+void LasReaderTest::idsAreCategories()
+{
+    struct Named {
+        const char* name;
+        int type;
+        bool category;
+    };
+    const Named all[] = {{"TreeId", 5, true},     {"treeID", 3, true},   {"tree id", 6, true},
+                         {"segment_ID", 7, true}, {"ID", 1, true},       {"Grid", 5, false},
+                         {"valid", 1, false},     {"TreeId2", 5, false}, {"MeanTreeId", 9, false}};
+    Bytes descriptors;
+    std::uint16_t length = 20;
+    for (const Named& one : all) {
+        lasfiles::append(descriptors, descriptor(one.type, one.name));
+        length = std::uint16_t(length + sizeOf(ScalarType(one.type - 1)));
+    }
+    const auto cloud = load(make("ids.las", lasfiles::file(lasfiles::header(2, 0, length, 10),
+                                                           {lasfiles::record("LASF_Spec", 4, descriptors)},
+                                                           lasfiles::randomRecords(0, length, 10, 1))));
+    for (const Named& one : all) {
+        const Attribute* const found = cloud->findAttribute(one.name);
+        QVERIFY2(found != nullptr, one.name);
+        QVERIFY2((found->kind == AttributeKind::Category) == one.category, one.name);
+    }
 }
 
 void LasReaderTest::clashingNamesAreToldApart()

@@ -74,8 +74,8 @@ MapDialog::MapDialog(const Document& document, QWidget* parent)
     m_form->addRow(inUnit(tr("Cell &size"), unit), m_cell);
     const double height = box.empty() ? 0.0 : box.max.z - box.min.z;
     m_step->put(plainNumber(height > 0.0 ? roundLength(height / kContoursInAll) : 1.0));
-    m_step->setAccessibleName(tr("Height between contours"));
-    m_form->addRow(tr("&Height between"), m_step);
+    m_step->setAccessibleName(tr("Contour interval"));
+    m_form->addRow(tr("Contour &interval"), m_step);
     m_where->setPlaceholderText(tr("all points, or a condition such as Classification == 6"));
     m_where->setAccessibleName(tr("Which points"));
     m_where->setObjectName(QStringLiteral("mapWhere"));
