@@ -46,6 +46,9 @@ double peakMegabytes()
     return 0;
 }
 
+/// ms between two looks at whether every part is seen, which take some themselves.
+constexpr double kLookEvery = 100;
+
 /// A tenth of the sides of the first part, from aslant: what a street takes.
 render::Camera streetCamera(const render::CloudLoad& load)
 {
@@ -101,12 +104,16 @@ void openOnce(const BenchOptions& options, const std::string& prefix, Figures& f
         ended = true;
     });
     double first = 0, overview = 0;
+    Clock looked;
     try {
         for (bool last = false; !last;) {
             last = ended;
             (void)renderer.renderFrame(render::kFrameSeconds);
             if (first == 0 && renderer.coveredShare() > 0) first = clock.milliseconds();
-            if (first != 0 && overview == 0 && showsEveryPart(renderer, survey)) overview = clock.milliseconds();
+            if (first != 0 && overview == 0 && looked.milliseconds() > kLookEvery) {
+                if (showsEveryPart(renderer, survey)) overview = clock.milliseconds();
+                looked = Clock();
+            }
             if (renderer.converged()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
     } catch (...) {

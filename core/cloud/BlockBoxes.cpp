@@ -36,6 +36,14 @@ RawBounds BlockBoxes::bounds() const noexcept
 RawBounds BlockBoxes::include(PointRange range, const std::int32_t* x, const std::int32_t* y,
                               const std::int32_t* z) noexcept
 {
+    const RawBounds all = grow(range, x, y, z);
+    m_included.fetch_add(range.size(), std::memory_order_release);
+    return all;
+}
+
+RawBounds BlockBoxes::grow(PointRange range, const std::int32_t* x, const std::int32_t* y,
+                           const std::int32_t* z) noexcept
+{
     const std::int32_t* const axes[3] = {x, y, z};
     RawBounds all;
     for (PointIndex first = range.first, last = first; first < range.last; first = last) {
@@ -54,7 +62,6 @@ RawBounds BlockBoxes::include(PointRange range, const std::int32_t* x, const std
             }
         }
     }
-    m_included.fetch_add(range.size(), std::memory_order_release);
     return all;
 }
 

@@ -45,6 +45,12 @@ public:
     /// cache.
     RawBounds include(PointRange range, const std::int32_t* x, const std::int32_t* y,
                       const std::int32_t* z) noexcept;
+    /// Includes points that include() will be told of once more: what is known before does not count.
+    void includeAhead(PointRange range, const std::int32_t* x, const std::int32_t* y,
+                      const std::int32_t* z) noexcept
+    {
+        (void)grow(range, x, y, z);
+    }
     /// include() for all points, in parallel.
     void includeAll(const std::int32_t* x, const std::int32_t* y, const std::int32_t* z);
     /// Whether all points were included.
@@ -55,6 +61,8 @@ private:
         std::array<std::atomic<std::int32_t>, 3> low{INT32_MAX, INT32_MAX, INT32_MAX};
         std::array<std::atomic<std::int32_t>, 3> high{INT32_MIN, INT32_MIN, INT32_MIN};
     };
+
+    RawBounds grow(PointRange range, const std::int32_t* x, const std::int32_t* y, const std::int32_t* z) noexcept;
 
     PointIndex m_points;
     std::vector<Box> m_boxes;

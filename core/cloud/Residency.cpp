@@ -144,6 +144,7 @@ BufferPlace Residency::takeFile(std::size_t bytes, BufferUse use)
                     sizeText(memoryBudget()) + ", and " + where.string() + " cannot take them (" + why + ").");
     }
     if (m_mapped.empty()) m_others = residentOfFiles();
+    if (m_fillings > 0) (void)::madvise(at, bytes, MADV_RANDOM);
     m_mapped[static_cast<std::byte*>(at)] = {bytes, file, use};
     m_inFiles += bytes;
     m_files = true;
@@ -200,6 +201,16 @@ std::uint64_t Residency::fileShare() const
 {
     const std::uint64_t budget = memoryBudget();
     return std::max(budget / 8, budget - std::min(budget, m_inMemory));
+}
+
+void Residency::fill(int more)
+{
+    const std::lock_guard lock(m_mutex);
+    const bool before = m_fillings > 0;
+    m_fillings += more;
+    if (before == (m_fillings > 0)) return;
+    for (const auto& [at, mapped] : m_mapped)
+        (void)::madvise(at, mapped.bytes, m_fillings > 0 ? MADV_RANDOM : MADV_NORMAL);
 }
 
 void Residency::leave(const std::byte* at, std::size_t bytes) noexcept

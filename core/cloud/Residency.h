@@ -54,6 +54,17 @@ public:
     /// Bytes of files that may stay resident.
     std::uint64_t residentMost() const;
 
+    /// While one lives, arrays are filled, here and there: a page of a file that is touched brings none of its
+    /// neighbors along, which would be zeroed, or read, for nothing.
+    class Filling
+    {
+    public:
+        Filling() { instance().fill(1); }
+        ~Filling() { instance().fill(-1); }
+        Filling(const Filling&) = delete;
+        Filling& operator=(const Filling&) = delete;
+    };
+
     /// Where the files are made: the user's cache folder (XDG_CACHE_HOME/punctum, ~/.cache/punctum), or /var/tmp
     /// where that is no disk but memory.
     static std::filesystem::path folder();
@@ -64,6 +75,7 @@ private:
     BufferPlace takeFile(std::size_t bytes, BufferUse use);
     std::uint64_t fileShare() const;  ///< residentMost(), with m_mutex held
     void keepTo(const std::stop_token& stop);
+    void fill(int more);
     void letGo();
 
     struct Mapped {
@@ -79,6 +91,7 @@ private:
     std::uint64_t m_inMemory = 0, m_inFiles = 0;
     std::uint64_t m_others = 0;               ///< resident pages of files that are not ours: the program itself
     std::map<std::byte*, Mapped> m_mapped;    ///< by address
+    int m_fillings = 0;                       ///< of Filling that live
     std::map<BufferUse, std::byte*> m_hands;  ///< where letting go of each goes on
     std::atomic<bool> m_files = false;        ///< there are some
     std::atomic<std::uint64_t> m_put = 0;     ///< bytes that keepUp() was told of since it last looked

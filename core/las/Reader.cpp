@@ -39,14 +39,14 @@ constexpr std::size_t kMostWarnings = 10;        ///< of damaged chunks, one sen
 constexpr std::uint64_t kDecodeStep = 2048;      ///< points between two looks at the cancel flag
 constexpr std::uint64_t kDecodeBytes = 1 << 17;  ///< LAZ: of records at once, to leave the cache to the models
 
-constexpr PointIndex kFirstsRow = 1 << 16;  ///< LAS: records from one place of readFirsts() to the next
-constexpr std::uint64_t kMostGrowth = 64;   ///< bytes that a record may have more than before it was compressed
+constexpr PointIndex kFirstsRow = 1 << 16;    ///< LAS: records from one place of readFirsts() to the next
+constexpr std::uint64_t kTouchedPage = 4096;  ///< bytes of memory that come with some points in a column
+constexpr std::uint64_t kMostGrowth = 64;     ///< bytes that a record may have more than before it was compressed
 
 /// What is done with points as they come, by the worker that has them.
 struct Receiver {
-    Reader::RecordVisitor records;  ///< raw records, in pieces that are still in the cache
-    /// A batch whose records were all given, and are sound. Those of its beginning, before `fresh`, were known.
-    std::function<void(PointRange, PointIndex fresh)> arrived;
+    Reader::RecordVisitor records;              ///< raw records, in pieces that are still in the cache
+    std::function<void(PointRange)> arrived;    ///< a batch whose records were all given or known, and are sound
     std::function<void(PointRange)> withdrawn;  ///< records that were given, but are damaged after all
     std::span<const PointRange> known = {};     ///< points that are not given again, in order
 };
@@ -72,10 +72,6 @@ struct Shared {
         if (first >= range.last) return;
         const std::size_t length = records.size() / std::size_t(range.size());
         receiver.records({first, range.last}, records.subspan(std::size_t(first - range.first) * length));
-    }
-    void arrive(PointRange range, PointIndex fresh) const
-    {
-        receiver.arrived(range, std::clamp(fresh, range.first, range.last));
     }
     void miss(PointRange range, std::string sentence)
     {
@@ -224,7 +220,7 @@ void Reader::Impl::visitBlock(PointRange block, std::vector<std::byte>& scratch,
         file.readAt(s.header.pointOffset() + part.first * length, records);
         shared.give(part, fresh, records);
     }
-    shared.arrive(block, fresh);
+    shared.receiver.arrived(block);
     shared.progress.add(block.size());
 }
 
@@ -242,7 +238,7 @@ auto Reader::Impl::decode(PointDecoder& decoder, const Chunk& chunk, const std::
     std::uint64_t arrived = 0;
     const auto arrive = [&](std::uint64_t end) {
         for (; arrived < end; arrived += std::min(end - arrived, kMostInBatch))
-            shared.arrive({chunk.first + arrived, chunk.first + std::min(end, arrived + kMostInBatch)}, fresh);
+            shared.receiver.arrived({chunk.first + arrived, chunk.first + std::min(end, arrived + kMostInBatch)});
     };
     for (std::uint64_t done = 0; done < chunk.count;) {
         const std::uint64_t batch = std::min(chunk.count - done, kMostInBatch);
@@ -409,7 +405,7 @@ bool Reader::Impl::firstsOfChunk(const Chunk& chunk, std::uint64_t points, Chunk
 
 ReadResult Reader::visitRecords(Progress& progress, const RecordVisitor& visit) const
 {
-    return m_impl->visit(progress, {visit, [](PointRange, PointIndex) {}, [](PointRange) {}});
+    return m_impl->visit(progress, {visit, [](PointRange) {}, [](PointRange) {}});
 }
 
 namespace
@@ -464,7 +460,7 @@ struct Seen {
 
 }  // namespace
 
-std::vector<PointRange> Reader::readFirsts(PointCloud& cloud, std::size_t pieces, std::uint64_t points,
+std::vector<PointRange> Reader::readFirsts(PointCloud& cloud, const Pieces& pieces, std::uint64_t points,
                                            Progress& progress, const BatchSink& sink) const
 {
     checkFits(cloud, *m_source);
@@ -473,19 +469,22 @@ std::vector<PointRange> Reader::readFirsts(PointCloud& cloud, std::size_t pieces
     if (compressed && m_impl->parsed.laz.compressor == LazInfo::Pointwise) return {};
     const std::uint64_t there =
         compressed ? m_impl->parsed.chunks.size() : std::uint64_t(m_source->pointCount / kFirstsRow);
-    const auto count = std::uint32_t(std::min<std::uint64_t>({there, pieces, UINT32_MAX}));
+    const auto count = std::uint32_t(std::min<std::uint64_t>({there, pieces.count, UINT32_MAX}));
     const Deinterleaver deinterleave(m_source->layout);
     const std::vector<std::uint32_t> order = spreadOrder(count);
     std::vector<PointRange> found(count);
-    forEachInOrder<Impl::ChunkWorker>(count, [&](Impl::ChunkWorker& worker, std::size_t turn) {
+    const std::size_t first = std::min<std::size_t>(pieces.first, count);
+    const std::size_t last = std::clamp<std::size_t>(pieces.last, first, count);
+    forEachInOrder<Impl::ChunkWorker>(last - first, [&](Impl::ChunkWorker& worker, std::size_t k) {
         progress.check();
+        const std::size_t turn = first + k;
         const std::uint64_t piece = std::uint64_t(order[turn]) * there / count;
         const PointRange range = m_impl->readPiece(piece, points, worker);
         if (range.empty()) return;
         putRecords(cloud, m_source->layout, deinterleave, range, worker.records);
         found[order[turn]] = range;
         sink(range);
-        leaveColumns(cloud, m_source->layout, range);
+        Residency::instance().keepUp(cloud.columns().size() * kTouchedPage);
     });
     std::erase_if(found, [](const PointRange& range) { return range.empty(); });
     return found;
@@ -515,10 +514,10 @@ ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& 
     receiver.records = [&](PointRange range, std::span<const std::byte> records) {
         putRecords(cloud, layout, deinterleave, range, records);
     };
-    receiver.arrived = [&](PointRange range, PointIndex fresh) {
+    receiver.arrived = [&](PointRange range) {
         const auto* returns = reinterpret_cast<const std::uint8_t*>(cloud.columns()[returnsField]->data());
         seen.local().include(include(range), returns + range.first, std::size_t(range.size()), returnMask);
-        if (sink && fresh < range.last) sink({fresh, range.last});
+        if (sink) sink(range);
         leaveColumns(cloud, layout, range);
         Residency::instance().keepUp(range.size() * layout.length);
     };

@@ -67,18 +67,25 @@ public:
     /// columns (while they are still in the processor's cache); each point is in exactly one range.
     using BatchSink = std::function<void(PointRange)>;
 
-    /// Reads the first `points` points of at most `pieces` chunks (LAS: rows of records) into the cloud's columns,
-    /// in parallel, from all over the file: a picture of the whole, long before read() has come everywhere, as
-    /// LidarScout (Erler et al. 2025) draws one of the first points of chunks. Chunks that are damaged, cut off or
-    /// short, or cannot be read, are left out. The boxes of the cloud do not have these points yet. Returns where
-    /// they are, in the order of the file, for read(). Throws Error (a cloud that is not the file's) or Cancelled.
-    std::vector<PointRange> readFirsts(PointCloud& cloud, std::size_t pieces, std::uint64_t points,
+    /// Chunks (LAS: rows of records) all over a file: so many at most, or of the order in which they are read those
+    /// from one turn to another.
+    struct Pieces {
+        std::size_t count = 0;
+        std::size_t first = 0, last = SIZE_MAX;
+    };
+
+    /// Reads the first `points` points of chunks into the cloud's columns, in parallel, from all over the file: a
+    /// picture of the whole, long before read() has come everywhere, as LidarScout (Erler et al. 2025) draws one of
+    /// the first points of chunks. Chunks that are damaged, cut off or short, or cannot be read, are left out. The
+    /// boxes of the cloud do not have these points yet. `sink` is told of them; returns where they are, in the
+    /// order of the file, for read(). Throws Error (a cloud that is not the file's) or Cancelled.
+    std::vector<PointRange> readFirsts(PointCloud& cloud, const Pieces& pieces, std::uint64_t points,
                                        Progress& progress, const BatchSink& sink) const;
 
     /// Reads all points into the cloud's columns, in parallel, in an order spread over the file, and includes them
     /// into its boxes (PointCloud::arriving()), each batch before the sink is told of it. Those that readFirsts()
-    /// has given already stay as they are, and the sink is not told of them again; where their chunk turns out to
-    /// be damaged, they are among `missing`, and 0. Throws Error (I/O) or Cancelled.
+    /// has given already are not written once more, but the sink is told of them like of all others; where their
+    /// chunk turns out to be damaged, they are among `missing`, and 0. Throws Error (I/O) or Cancelled.
     ReadResult read(PointCloud& cloud, Progress& progress, const BatchSink& sink = {},
                     std::span<const PointRange> firsts = {}) const;
 

@@ -91,9 +91,10 @@ Session::Session(std::unique_ptr<Survey> survey, HistoryRoom room)
 
 Session::~Session() = default;
 
-las::ReadResult Session::read(Progress& progress, const las::Reader::BatchSink& sink)
+las::ReadResult Session::read(Progress& progress, const las::Reader::BatchSink& sink,
+                              const las::Reader::BatchSink& ahead)
 {
-    las::ReadResult result = m_survey->read(progress, sink);
+    las::ReadResult result = m_survey->read(progress, sink, {.sink = ahead});
     const std::lock_guard lock(m_mutex);  // who shows the files asks while they are read
     for (const PointRange& gone : result.missing)
         if (!gone.empty()) m_damagedParts[m_survey->partOf(gone.first)] = true;

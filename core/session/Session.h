@@ -106,8 +106,10 @@ public:
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
 
-    /// Reads all points, once, before anything of what follows. `sink` as in las::Reader::read().
-    las::ReadResult read(Progress& progress, const las::Reader::BatchSink& sink = {});
+    /// Reads all points, once, before anything of what follows. `sink` as in las::Reader::read(); `ahead`: told of
+    /// those that come before all others, as in Survey::Ahead.
+    las::ReadResult read(Progress& progress, const las::Reader::BatchSink& sink = {},
+                         const las::Reader::BatchSink& ahead = {});
     /// There is nothing to recover any more: what is unsaved is given up.
     void close() noexcept;
 

@@ -66,13 +66,6 @@ std::string nameOf(const fs::path& path)
     return path.filename().string();
 }
 
-/// Whether a range shares points with one of these, which are in order.
-bool overlapsAny(PointRange range, const std::vector<PointRange>& others)
-{
-    return std::any_of(others.begin(), others.end(),
-                       [&](const PointRange& o) { return o.first < range.last && range.first < o.last; });
-}
-
 /// "a.laz, b.laz, c.laz and 12 others".
 std::string listOf(const std::vector<std::string>& names)
 {
@@ -409,6 +402,15 @@ public:
     /// Of all points that arrived.
     const RawBounds& bounds() const noexcept { return m_bounds; }
 
+    /// Points of the file that its reader has put into the view before all others. Any thread.
+    void arrivedAhead(PointRange range)
+    {
+        if (m_ownGrid) (void)place(range);
+        if (m_member.links.converted) convert(range);
+        const auto first = std::size_t(range.first);
+        m_survey.m_cloud->arriving()->includeAhead(inSurvey(range), m_shared[0] + first, m_shared[1] + first,
+                                                   m_shared[2] + first);
+    }
     /// Points of the file that its reader has put into the view. Any thread.
     void arrived(PointRange range)
     {
@@ -489,39 +491,45 @@ private:
 };
 
 /// The first points of chunks all over the survey, of each file some. What cannot be read is told of by read().
-void Survey::readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress& progress,
-                        const las::Reader::BatchSink& sink)
+void Survey::readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress& progress)
 {
     const PointIndex all = m_cloud->size();
     if (all == 0 || all < ahead.from) return;
-    // Each of them touches pages of its own. Where memory does not hold all, less is drawn of them anyway.
     const bool beyond = all * (source()->layout.length + kDrawnBytes) > memoryBudget();
-    const std::uint64_t points = beyond ? std::max<std::uint64_t>(1, ahead.points / 8) : ahead.points;
+    const std::uint64_t points = beyond ? ahead.pointsBeyond : ahead.points;
     const std::vector<std::uint32_t> order = las::spreadOrder(std::uint32_t(m_parts.size()));
-    las::forEachInOrder(m_parts.size(), [&](std::vector<std::byte>&, std::size_t turn) {
-        const std::size_t k = order[turn];
-        const Part& part = m_parts[k];
-        Member& member = *m_members[k];
-        progress.check();
-        const auto pieces = std::size_t(ahead.chunks * part.points.size() / all) + 1;
-        try {
-            las::Reader& reader = *member.reader;
-            if (!many()) {
-                member.firsts = reader.readFirsts(*m_cloud, pieces, points, progress, sink);
-                return;
+    // One chunk of each file, then the others: all of the survey is seen a little before any of it is seen better.
+    for (const bool one : {true, false})
+        las::forEachInOrder(m_parts.size(), [&](std::vector<std::byte>&, std::size_t turn) {
+            const std::size_t k = order[turn];
+            Member& member = *m_members[k];
+            progress.check();
+            const double share = double(m_parts[k].points.size()) / double(all);
+            las::Reader::Pieces pieces{std::size_t(double(ahead.chunks) * share) + 1, one ? 0u : 1u, 1};
+            if (!one) pieces.last = pieces.count;
+            if (pieces.first >= pieces.last) return;
+            try {
+                las::Reader& reader = *member.reader;
+                std::vector<PointRange> found;
+                if (many()) {
+                    PartReading reading(*this, k, changes);
+                    reader.reopen();
+                    found = reader.readFirsts(reading.view(), pieces, points, progress, [&](PointRange range) {
+                        reading.arrivedAhead(range);
+                        ahead.sink(reading.inSurvey(range));
+                    });
+                    if (m_parts.size() > kMostOpen) reader.close();
+                } else {
+                    found = reader.readFirsts(*m_cloud, pieces, points, progress, ahead.sink);
+                }
+                const auto before = std::ptrdiff_t(member.firsts.size());
+                member.firsts.insert(member.firsts.end(), found.begin(), found.end());
+                std::inplace_merge(member.firsts.begin(), member.firsts.begin() + before, member.firsts.end(),
+                                   [](const PointRange& a, const PointRange& b) { return a.first < b.first; });
+            } catch (const Error&) {
+                // read() meets the same, and tells of it
             }
-            PartReading reading(*this, k, changes);
-            reader.reopen();
-            member.firsts = reader.readFirsts(reading.view(), pieces, points, progress, [&](PointRange range) {
-                reading.arrived(range);
-                sink(reading.inSurvey(range));
-                reading.handedOn(range);
-            });
-            if (m_parts.size() > kMostOpen) reader.close();
-        } catch (const Error&) {
-            // read() meets the same, and tells of it
-        }
-    });
+        });
 }
 
 las::ReadResult Survey::readPart(std::size_t part, ChangesOfThreads& changes, Progress& progress,
@@ -539,12 +547,7 @@ las::ReadResult Survey::readPart(std::size_t part, ChangesOfThreads& changes, Pr
             reading.handedOn(range);
         },
         member.firsts);
-    if (reading.hasOwnGrid()) {
-        result.bounds = reading.bounds();
-        for (const PointRange& range : member.firsts)
-            if (!overlapsAny(range, result.missing))
-                result.bounds.include(boundsOf(*m_cloud, reading.inSurvey(range)));
-    }
+    if (reading.hasOwnGrid()) result.bounds = reading.bounds();
     if (member.beyond != 0)
         result.warnings.push_back(
             grouped(member.beyond) +
@@ -556,8 +559,9 @@ las::ReadResult Survey::readPart(std::size_t part, ChangesOfThreads& changes, Pr
 
 las::ReadResult Survey::read(Progress& progress, const las::Reader::BatchSink& sink, const Ahead& ahead)
 {
+    const Residency::Filling filling;
     ChangesOfThreads changes;
-    if (sink) readFirsts(ahead, changes, progress, sink);
+    if (ahead.sink) readFirsts(ahead, changes, progress);
     if (!many()) {
         las::ReadResult result = m_members[0]->reader->read(*m_cloud, progress, sink, m_members[0]->firsts);
         m_members[0]->reader.reset();  // closes the file

@@ -63,17 +63,24 @@ public:
     /// Those of the warnings that tell of what is missing or damaged.
     const std::vector<std::string>& losses() const noexcept { return m_losses; }
 
-    /// What is read before everything else, for those who look at it meanwhile.
+    /// What is read before everything else, for those who look at it meanwhile: the first points of chunks all
+    /// over a survey that takes longer (las::Reader::readFirsts()), some million in all, so that it is seen whole
+    /// within seconds.
     struct Ahead {
+        /// Told of them before read() tells anybody of any point; they are among what it tells later all the same.
+        /// Null: none are read.
+        las::Reader::BatchSink sink{};
         PointIndex from = 4'000'000;  ///< of surveys with so many points, which take a second or more
         std::uint64_t chunks = 4096;  ///< of so many chunks, and at least one of each file
         std::uint64_t points = 256;   ///< so many of each
+        /// Likewise, where memory does not hold the survey and what is drawn of it: as many as there are windows
+        /// (render::SlotOrder), so that some of them are in the first ones, which are all that a picture of the
+        /// whole is made of.
+        std::uint64_t pointsBeyond = 1024;
     };
 
     /// Reads all points, once. `sink` as in las::Reader::read(). A file of many that cannot be read is missing, and
-    /// told of, unless it is the last one left. Of a survey that takes longer, the first points of chunks all over
-    /// it come before everything else (las::Reader::readFirsts()), some million in all, so that it is seen whole
-    /// within a second or two. Throws Error, Cancelled.
+    /// told of, unless it is the last one left. Throws Error, Cancelled.
     las::ReadResult read(Progress& progress, const las::Reader::BatchSink& sink, const Ahead& ahead);
     las::ReadResult read(Progress& progress, const las::Reader::BatchSink& sink)
     {
@@ -96,8 +103,7 @@ private:
     void compareFiles();
     std::shared_ptr<Column> ownColumn(const las::RecordField& field);
     std::shared_ptr<PointCloud> readingView(std::size_t part);
-    void readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress& progress,
-                    const las::Reader::BatchSink& sink);
+    void readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress& progress);
     las::ReadResult readPart(std::size_t part, ChangesOfThreads& changes, Progress& progress,
                              const las::Reader::BatchSink& sink);
     bool isOwn(std::size_t part, std::size_t field) const;

@@ -42,9 +42,6 @@ std::vector<LinearSide> sidesOf(const Layer& layer, const TargetSize& size)
     return sides;
 }
 
-/// While a store is filled the boxes of stretches may grow yet: so many slots are drawn of all of them, at least.
-constexpr std::uint64_t kSlotsOfGrowing = 16'000'000;
-
 bool outOfSight(const Layer& layer, const LocalBox& box, std::span<const LinearSide> sides)
 {
     if (layer.clip.on)
@@ -118,7 +115,8 @@ void VisibleStretches::chooseWindows(const PointStore& store, const TargetSize& 
 {
     const std::uint32_t all = store.order().memberMask() + 1;
     const std::uint64_t inWindow = std::max<std::uint64_t>(1, m_list.size() * m_stretchPlaces);
-    const std::uint64_t least = growing ? std::clamp<std::uint64_t>(kSlotsOfGrowing / inWindow, 1, all) : 1;
+    // while the store is filled boxes may grow yet
+    const std::uint32_t least = growing ? store.windowsOfGrowing(inWindow) : 1;
     ScreenDensity density(size);
     for (const Seen& each : seen)
         if (each.rect) density.add(*each.rect, double(PointStore::kStretchPoints));
@@ -128,7 +126,7 @@ void VisibleStretches::chooseWindows(const PointStore& store, const TargetSize& 
     for (std::size_t i = 0; i < m_list.size(); ++i) {
         const double share = seen[i].rect ? density.share(*seen[i].rect) : seen[i].shareElse;
         const auto wanted = std::min(all, std::bit_ceil(std::uint32_t(std::ceil(share * all))));
-        m_windows[m_list[i]] = std::max(wanted, std::bit_floor(std::uint32_t(least)));
+        m_windows[m_list[i]] = std::max(wanted, least);
         some = some || m_windows[m_list[i]] < all;
     }
     if (!some) m_windows.clear();

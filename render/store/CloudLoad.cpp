@@ -14,7 +14,9 @@ CloudLoad::CloudLoad(std::shared_ptr<Session> session, OrderKind order)
 
 las::ReadResult CloudLoad::read(Progress& progress) const
 {
-    las::ReadResult result = m_session->read(progress, [this](PointRange range) { m_store->fill(range); });
+    las::ReadResult result = m_session->read(
+        progress, [this](PointRange range) { m_store->fill(range); },
+        [this](PointRange range) { m_store->fillAhead(range); });
     for (const PointRange& range : result.missing) m_store->withdraw(range);  // some were read before all was known
     return result;
 }

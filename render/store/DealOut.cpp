@@ -80,7 +80,8 @@ Dealt takePoints(const PointCloud& cloud, PointRange places, const AttributeEnco
 }  // namespace
 
 Dealt dealOut(const PointCloud& cloud, PointRange places, const AttributeEncoder& encoder,
-              const Attribute& classification, SlotArrays& arrays, const SlotOrder& order, const LocalFrame* frame)
+              const Attribute& classification, SlotArrays& arrays, const SlotOrder& order, const LocalFrame* frame,
+              std::uint32_t windows)
 {
     thread_local std::unique_ptr<DealtPiece> scratch;
     if (!scratch) scratch = std::make_unique<DealtPiece>();
@@ -115,8 +116,10 @@ Dealt dealOut(const PointCloud& cloud, PointRange places, const AttributeEncoder
         const auto dealOut = [&](PointIndex from, PointIndex to) {  // points of one group
             const auto group = std::uint32_t(from >> order.groupBits());
             const GroupShuffle shuffle = groupShuffle(group);
-            for (PointIndex i = from; i < to; ++i)
-                store(shuffle.window(std::uint32_t(i) & mask, mask) * window + group, std::size_t(i - first));
+            for (PointIndex i = from; i < to; ++i) {
+                const std::uint32_t w = shuffle.window(std::uint32_t(i) & mask, mask);
+                if (w < windows) store(w * window + group, std::size_t(i - first));
+            }
         };
         const PointIndex wholeFirst = std::min(piece.last, (piece.first + mask) / groupPoints * groupPoints);
         const PointIndex wholeLast = std::max(wholeFirst, piece.last / groupPoints * groupPoints);
@@ -137,7 +140,7 @@ Dealt dealOut(const PointCloud& cloud, PointRange places, const AttributeEncoder
             }
             const bool lines =
                 frame != nullptr && groups == kLineSlots && group % kLineSlots == 0 && window % kLineSlots == 0;
-            for (std::uint32_t w = 0; w <= mask; ++w) {
+            for (std::uint32_t w = 0; w <= mask && w < windows; ++w) {
                 const Slot slot = w * window + group;
                 // part of a line, which must come before it can be written
                 if (haveClasses && w + kFetchAhead <= mask)

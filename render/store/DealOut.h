@@ -33,9 +33,11 @@ struct Dealt {
 };
 
 /// Takes the points at some places of an order from the cloud's columns, and puts them into their slots: words,
-/// classes (where `classes` has a column), and positions, unless `frame` is null. Any thread, several at a time for
+/// classes (where `classes` has a column), and positions, unless `frame` is null. Of a stratified order into the
+/// first `windows` alone. Any thread, several at a time for
 /// different places. What was written is there for others once this has returned.
 Dealt dealOut(const PointCloud& cloud, PointRange places, const AttributeEncoder& encoder, const Attribute& classes,
-              SlotArrays& arrays, const SlotOrder& order, const LocalFrame* frame);
+              SlotArrays& arrays, const SlotOrder& order, const LocalFrame* frame,
+              std::uint32_t windows = UINT32_MAX);
 
 }  // namespace punctum::render

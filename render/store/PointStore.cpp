@@ -6,6 +6,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 
@@ -22,6 +23,11 @@ constexpr PointIndex kPutPoints = BlockBoxes::kPoints;
 constexpr PointIndex kFewPoints = 200'000;
 
 constexpr PointIndex kSamples = 4096;
+
+/// Slots drawn while points arrive of a cloud that lies beyond memory: 270 MB.
+constexpr std::uint64_t kSlotsOfGrowing = 16'000'000;
+/// Of each range ahead, in the prime order.
+constexpr PointIndex kFewAhead = 32;
 
 /// The i-th of kSamples points spread over the range (low discrepancy: multiples of the golden ratio).
 PointIndex samplePoint(PointRange range, PointIndex i)
@@ -196,11 +202,63 @@ void PointStore::fill(PointRange range)
     assert(m_order.runs() == nullptr);
     const auto encoder = encoderFor(range);
     put(range, *encoder, true);
-    m_filled.fetch_add(range.size(), std::memory_order_release);
+    noteArrival(range, UINT32_MAX, range.size() - takenAhead(range));
+}
+
+void PointStore::fillAhead(PointRange range, std::uint32_t windows)
+{
+    const bool prime = m_order.kind() == OrderKind::Prime;
+    if (!prime && windows > m_order.memberMask()) windows = UINT32_MAX;
+    // Each of them is a page of its own.
+    if (prime && windows != UINT32_MAX) range.last = std::min(range.last, range.first + kFewAhead);
+    const auto encoder = encoderFor(range);
+    put(range, *encoder, true, windows);
+    {
+        const std::lock_guard lock(m_arrivalMutex);
+        m_ahead[range.first] = {range, windows};
+    }
+    noteArrival(range, windows, pointsAhead(range, windows));
+}
+
+/// Points of a range that lie in the first windows.
+PointIndex PointStore::pointsAhead(PointRange range, std::uint32_t windows) const noexcept
+{
+    if (windows == UINT32_MAX || m_order.kind() == OrderKind::Prime) return range.size();
+    PointIndex points = 0;
+    for (PointIndex i = range.first; i < range.last; ++i)
+        points += m_order.slotOfPlace(i) / m_order.windowSize() < windows ? 1 : 0;
+    return points;
+}
+
+/// Points of a range that fillAhead() has taken.
+PointIndex PointStore::takenAhead(PointRange range) const
+{
+    const std::lock_guard lock(m_arrivalMutex);
+    PointIndex points = 0;
+    auto one = m_ahead.upper_bound(range.first);
+    if (one != m_ahead.begin()) --one;
+    for (; one != m_ahead.end() && one->first < range.last; ++one) {
+        const PointRange& ahead = one->second.range;
+        const PointRange common{std::max(range.first, ahead.first), std::min(range.last, ahead.last)};
+        if (common.first < common.last) points += pointsAhead(common, one->second.windows);
+    }
+    return points;
+}
+
+void PointStore::noteArrival(PointRange range, std::uint32_t windows, PointIndex points)
+{
+    m_filled.fetch_add(points, std::memory_order_release);
     if (range.empty()) return;
     const std::lock_guard lock(m_arrivalMutex);
-    m_arrived.push_back({range, m_arrived.empty() ? 0 : m_arrived.back().before + m_arrived.back().range.size()});
+    m_arrived.push_back({range, windows, (m_arrived.empty() ? 0 : m_arrived.back().after) + points});
     m_arrivals.store(m_arrived.size(), std::memory_order_release);
+}
+
+std::uint32_t PointStore::windowsOfGrowing(std::uint64_t inWindow) const noexcept
+{
+    if (inWindow == 0) inWindow = m_order.windowSize();
+    const std::uint64_t all = std::uint64_t(m_order.memberMask()) + 1;
+    return std::bit_floor(std::uint32_t(std::clamp<std::uint64_t>(kSlotsOfGrowing / inWindow, 1, all)));
 }
 
 void PointStore::withdraw(PointRange range)
@@ -223,8 +281,8 @@ bool PointStore::arrivedSlots(std::size_t from, std::size_t to, SlotRange within
     to = std::min(to, m_arrived.size());
     if (from >= to || within.first >= within.last) return true;
     if (m_order.kind() != OrderKind::Stratified) {
-        const PointIndex before = m_arrived[from].before;
-        const PointIndex after = m_arrived[to - 1].before + m_arrived[to - 1].range.size();
+        const PointIndex before = from == 0 ? 0 : m_arrived[from - 1].after;
+        const PointIndex after = m_arrived[to - 1].after;
         if (after < 2 * before && after < m_cloud->size()) return false;
         out.push_back(within);
         return true;
@@ -235,7 +293,7 @@ bool PointStore::arrivedSlots(std::size_t from, std::size_t to, SlotRange within
         const PointRange& range = m_arrived[k].range;
         const auto first = Slot(range.first >> m_order.groupBits()),
                    last = Slot((range.last - 1) >> m_order.groupBits()) + 1;
-        for (Slot w = within.first / window; w <= (within.last - 1) / window; ++w) {
+        for (Slot w = within.first / window; w <= (within.last - 1) / window && w < m_arrived[k].windows; ++w) {
             const std::uint64_t begin = std::uint64_t(w) * window;
             const auto a = Slot(std::max<std::uint64_t>(begin + first, within.first));
             const auto b = Slot(std::min<std::uint64_t>(begin + last, within.last));
@@ -267,10 +325,10 @@ void PointStore::setBounds(const RawBounds& bounds)
     });
 }
 
-void PointStore::put(PointRange places, const AttributeEncoder& encoder, bool positions)
+void PointStore::put(PointRange places, const AttributeEncoder& encoder, bool positions, std::uint32_t windows)
 {
-    const Dealt dealt =
-        dealOut(*m_cloud, places, encoder, m_classification, m_slots, m_order, positions ? &m_frame : nullptr);
+    const Dealt dealt = dealOut(*m_cloud, places, encoder, m_classification, m_slots, m_order,
+                                positions ? &m_frame : nullptr, windows);
     if (dealt.colorsCut != 0) m_colorsCut.fetch_add(dealt.colorsCut, std::memory_order_relaxed);
     if (!dealt.inside) m_outgrown.store(true, std::memory_order_relaxed);
 }

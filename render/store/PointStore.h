@@ -10,6 +10,7 @@
 #include "render/store/LocalFrame.h"
 
 #include <atomic>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -56,6 +57,17 @@ public:
 
     /// Takes the points of a range from the cloud's columns. Any thread; each point once.
     void fill(PointRange range);
+    /// Takes those of a range that lie in the first windows, as a picture of the whole is made of these: fill()
+    /// will be told of the range once more. `windows`: more than all are all; in the prime order, a few points are
+    /// taken where that is less. Any thread, each point once, before fill().
+    void fillAhead(PointRange range, std::uint32_t windows);
+    /// Likewise, all where memory holds the slots, else no more than are drawn while points arrive, so that no
+    /// other pages are touched.
+    void fillAhead(PointRange range) { fillAhead(range, beyondMemory() ? windowsOfGrowing() : UINT32_MAX); }
+    /// Of a cloud whose slots memory does not hold, so many windows are drawn of all that is in sight while points
+    /// arrive, at least: 16 M slots in all, as a power of two. `inWindow`: slots of a window that are in sight; 0:
+    /// all.
+    std::uint32_t windowsOfGrowing(std::uint64_t inWindow = 0) const noexcept;
     /// Points of a range turned out to be damaged after they were taken: their slots are empty again. Any thread.
     void withdraw(PointRange range);
     /// fill() for all points of a cloud that is complete, in parallel.
@@ -174,7 +186,8 @@ private:
     void setEncoder(std::shared_ptr<const AttributeEncoder> encoder);
     /// Encodes the points at some places and puts them into their slots; positions too when asked for. Versions are
     /// for the caller to raise.
-    void put(PointRange places, const AttributeEncoder& encoder, bool positions);
+    void put(PointRange places, const AttributeEncoder& encoder, bool positions,
+             std::uint32_t windows = UINT32_MAX);
     void bumpVersions(PointRange places, bool positions) noexcept;
 
     Identity m_identity;
@@ -195,10 +208,15 @@ private:
     std::atomic<PointIndex> m_filled{0};
     struct Arrival {
         PointRange range;
-        PointIndex before = 0;  ///< points of all calls before this one
+        std::uint32_t windows = UINT32_MAX;  ///< that have points of it now
+        PointIndex after = 0;                ///< points of all calls until this one
     };
-    mutable std::mutex m_arrivalMutex;
+    PointIndex pointsAhead(PointRange range, std::uint32_t windows) const noexcept;
+    PointIndex takenAhead(PointRange range) const;
+    void noteArrival(PointRange range, std::uint32_t windows, PointIndex points);
+    mutable std::mutex m_arrivalMutex;  ///< guards what follows, but for atomics
     std::vector<Arrival> m_arrived;
+    std::map<PointIndex, Arrival> m_ahead;   ///< of fillAhead(), by their first point
     std::atomic<std::size_t> m_arrivals{0};  ///< size of m_arrived
     std::atomic<bool> m_outgrown{false};
     std::atomic<PointIndex> m_colorsCut{0};        ///< points whose color is brighter than the encoder holds

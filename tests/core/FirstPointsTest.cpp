@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "core/Memory.h"
 #include "core/cloud/BlockBoxes.h"
 #include "core/las/Reader.h"
 #include "core/survey/Survey.h"
@@ -9,6 +10,7 @@
 #include <QTest>
 
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 
 using namespace punctum;
@@ -127,32 +129,52 @@ private slots:
     void surveys_data()
     {
         QTest::addColumn<QStringList>("names");
-        QTest::newRow("one file") << QStringList{"bcts_1.laz"};
-        QTest::newRow("one format") << QStringList{"bcts_1.laz", "bcts_2.laz"};
-        QTest::newRow("formats of both kinds")
-            << QStringList{"autzen_trim_7.las", "autzen_trim.las", "autzen_trim.laz", "extra.laz"};
-        QTest::newRow("other places and coordinate systems")
-            << QStringList{"autzen_trim.laz", "bcts_1.laz", "epsg_4326.las", "megaplot.las", "MixedConifer.laz"};
+        QTest::addColumn<bool>("beyond");  // memory
+        const auto add = [](const char* name, const QStringList& names) {
+            QTest::newRow(name) << names << false;
+            QTest::addRow("%s, beyond memory", name) << names << true;
+        };
+        add("one file", {"bcts_1.laz"});
+        add("one format", {"bcts_1.laz", "bcts_2.laz"});
+        add("formats of both kinds", {"autzen_trim_7.las", "autzen_trim.las", "autzen_trim.laz", "extra.laz"});
+        add("other places and coordinate systems",
+            {"autzen_trim.laz", "bcts_1.laz", "epsg_4326.las", "megaplot.las", "MixedConifer.laz"});
     }
     void surveys()
     {
         QFETCH(QStringList, names);
+        QFETCH(bool, beyond);
         std::vector<fs::path> files;
         for (const QString& name : names) {
             files.push_back(fs::path(PUNCTUM_TEST_DATA) / name.toStdString());
             if (!fs::exists(files.back())) QSKIP("The test data is missing.");
         }
-        const auto plain = Survey::open(files, m_progress), ahead = Survey::open(files, m_progress);
+        const auto plain = Survey::open(files, m_progress);
         const las::ReadResult expected = plain->read(m_progress, {});
-        Told told(ahead->cloud()->size());
-        std::vector<PointRange> first;
+        if (beyond) setMemoryBudget(1 << 20);
+        const auto ahead = Survey::open(files, m_progress);
+        const PointIndex points = ahead->cloud()->size();
+        Told told(points), first(points);
+        std::atomic<bool> begun{false}, late{false};
         const las::ReadResult result = ahead->read(m_progress,
                                                    [&](PointRange range) {
+                                                       begun = true;
                                                        told(range);
-                                                       if (range.size() == kPoints) first.push_back(range);
                                                    },
-                                                   {.from = 0, .chunks = 64, .points = kPoints});
-        QVERIFY(first.size() >= files.size());
+                                                   {.sink =
+                                                        [&](PointRange range) {
+                                                            if (begun) late = true;
+                                                            first(range);
+                                                        },
+                                                    .from = 0,
+                                                    .chunks = 64,
+                                                    .points = kPoints,
+                                                    .pointsBeyond = 4 * kPoints});
+        setMemoryBudget(0);
+        QVERIFY(!late);
+        QVERIFY(first.points() >= files.size() * kPoints * (beyond ? 4 : 1));
+        QCOMPARE(first.points() % (kPoints * (beyond ? 4 : 1)), PointIndex(0));
+        QVERIFY(first.eachOnceBut({{0, points}}));
         QVERIFY(told.eachOnceBut(result.missing));
         QCOMPARE(difference(*plain->cloud(), *ahead->cloud()), std::string());
         QCOMPARE(result.warnings, expected.warnings);
@@ -167,9 +189,9 @@ private:
         const auto plain = reader.createCloud(), ahead = reader.createCloud();
         const las::ReadResult expected = reader.read(*plain, m_progress);
         const las::PointsAsRead figures = reader.source()->asRead->get();
-        Told told(ahead->size());
-        const auto firsts = reader.readFirsts(*ahead, 40, kPoints, m_progress, std::ref(told));
-        QCOMPARE(told.points(), firsts.size() * kPoints);
+        Told told(ahead->size()), first(ahead->size());
+        const auto firsts = reader.readFirsts(*ahead, {40, 0, 30}, kPoints, m_progress, std::ref(first));
+        QCOMPARE(first.points(), firsts.size() * kPoints);
         for (std::size_t k = 0; k < firsts.size(); ++k) {
             QCOMPARE(firsts[k].size(), kPoints);
             if (k > 0) QVERIFY(firsts[k - 1].last < firsts[k].first);

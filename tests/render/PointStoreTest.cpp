@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "core/Memory.h"
 #include "core/expression/Rule.h"
 #include "core/task/Progress.h"
 #include "render/store/AttributeEncoder.h"
@@ -7,6 +8,7 @@
 
 #include <QTest>
 
+#include <algorithm>
 #include <bit>
 #include <thread>
 
@@ -20,6 +22,9 @@ class PointStoreTest : public QObject
 private Q_SLOTS:
     void filledInAnyOrder_data();
     void filledInAnyOrder();
+    void pointsAheadAreCountedOnce_data();
+    void pointsAheadAreCountedOnce();
+    void pointsAheadAreThoseOfAnOverview();
     void framesHoldWildExtents();
     void wrongFirstBoundsAreMended();
     void damagedPointsAreWithdrawn();
@@ -74,6 +79,96 @@ void PointStoreTest::filledInAnyOrder()
         store.encoder()->encode({&index, 1}, &word);
         QCOMPARE(store.words()[s], word);
     }
+}
+
+void PointStoreTest::pointsAheadAreCountedOnce_data()
+{
+    QTest::addColumn<int>("kind");
+    QTest::addColumn<int>("windows");
+    QTest::newRow("some windows") << int(OrderKind::Stratified) << 8;
+    QTest::newRow("all windows") << int(OrderKind::Stratified) << 64;
+    QTest::newRow("prime") << int(OrderKind::Prime) << 8;
+}
+
+// They are in their slots before all others, and nothing else is; told of once more, they count no more.
+void PointStoreTest::pointsAheadAreCountedOnce()
+{
+    QFETCH(int, kind);
+    QFETCH(int, windows);
+    const auto cloud = test::makeCloud(100'003);
+    PointStore store(cloud, cloud->computeBounds(), OrderKind(kind)),
+        whole(cloud, cloud->computeBounds(), OrderKind(kind));
+    whole.fillAll();
+    const std::vector<PointRange> ahead{{0, 100}, {5000, 6024}, {49'990, 50'500}, {99'900, 100'003}};
+    const bool prime = OrderKind(kind) == OrderKind::Prime;
+    const auto taken = [&](PointIndex i) {
+        return std::any_of(ahead.begin(), ahead.end(), [&](const PointRange& range) {
+            if (i < range.first || i >= range.last) return false;
+            return prime ? i < range.first + 32
+                         : store.order().slotOf(i) / store.order().windowSize() < Slot(windows);
+        });
+    };
+    for (const PointRange& range : ahead) store.fillAhead(range, std::uint32_t(windows));
+    PointIndex expected = 0;
+    for (PointIndex i = 0; i < cloud->size(); ++i) {
+        QCOMPARE(store.isFilled(i), taken(i));
+        expected += taken(i) ? 1 : 0;
+    }
+    QCOMPARE(store.filled(), expected);
+    QVERIFY(expected < 2000 && expected >= 4 * 32);
+
+    // A copy on a device is told of the slots that have them, of no other window.
+    std::vector<SlotRange> arrived;
+    QVERIFY(store.arrivedSlots(0, store.arrivals(), {0, store.slotCount()}, arrived));
+    std::vector<bool> brought(store.slotCount());
+    for (const SlotRange& run : arrived)
+        for (Slot slot = run.first; slot < run.last; ++slot) {
+            brought[slot] = true;
+            QVERIFY(prime || slot / store.order().windowSize() < Slot(windows));
+        }
+    for (PointIndex i = 0; i < cloud->size(); ++i) QVERIFY(!taken(i) || brought[store.order().slotOf(i)]);
+
+    // some are damaged
+    PointIndex gone = 0;
+    for (PointIndex i = 5500; i < 5600; ++i) gone += taken(i) ? 1 : 0;
+    store.withdraw({5500, 5600});
+    QCOMPARE(store.filled(), expected - gone);
+
+    const PointIndex before = store.filled();
+    store.fill({5600, 6024});  // all but those ahead are new
+    PointIndex fresh = 0;
+    for (PointIndex i = 5600; i < 6024; ++i) fresh += taken(i) ? 0 : 1;
+    QCOMPARE(store.filled(), before + fresh);
+    for (PointIndex first = 0; first < cloud->size(); first += 777)
+        for (const PointRange& part :
+             {PointRange{first, std::min(first + 777, PointIndex(5500))},
+              PointRange{std::max(first, PointIndex(6024)), std::min(first + 777, cloud->size())}})
+            if (part.first < part.last) store.fill(part);
+    QCOMPARE(store.filled(), cloud->size() - 100);
+    QVERIFY(!store.full());
+    for (PointIndex i = 0; i < cloud->size(); ++i) {
+        if (i >= 5500 && i < 5600) continue;
+        const Slot slot = store.order().slotOf(i);
+        QVERIFY(store.positions()[slot].x == whole.positions()[slot].x &&
+                store.positions()[slot].z == whole.positions()[slot].z);
+        QCOMPARE(store.words()[slot], whole.words()[slot]);
+        QCOMPARE(store.classes()[slot], whole.classes()[slot]);
+    }
+}
+
+void PointStoreTest::pointsAheadAreThoseOfAnOverview()
+{
+    const auto cloud = test::makeCloud(100'003);
+    setMemoryBudget(1 << 20);
+    PointStore store(cloud, cloud->computeBounds());
+    setMemoryBudget(0);
+    QVERIFY(store.beyondMemory());
+    QCOMPARE(store.windowsOfGrowing(1'000'000), 16u);
+    QCOMPARE(store.windowsOfGrowing(600'000), 16u);
+    QCOMPARE(store.windowsOfGrowing(500'000'000), 1u);
+    QCOMPARE(store.windowsOfGrowing(), 64u);  // of a small cloud all
+    store.fillAhead({0, 1000});
+    QCOMPARE(store.filled(), PointIndex(1000));
 }
 
 void PointStoreTest::framesHoldWildExtents()
