@@ -13,6 +13,7 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <mutex>
 #include <thread>
 
@@ -22,12 +23,13 @@ namespace punctum
 namespace
 {
 
-constexpr std::size_t kLeafPoints = 32;           ///< at most, where places differ; at least half of it
-constexpr std::size_t kBucketPoints = 4096;       ///< about: sorted into leaves by one thread, in its cache
-constexpr std::size_t kMostBuckets = 32'768;      ///< a bucket's number fits into 16 bits, with one left for none
-constexpr std::size_t kSamplesPerBucket = 64;     ///< medians are then good to some hundredths
-constexpr std::size_t kRanges = 64;               ///< pieces of the cloud that are sorted side by side
-constexpr std::size_t kCheck = 1 << 14;           ///< points between two looks at the cancel flag
+constexpr std::size_t kLeafPoints = 32;        ///< at most, where places differ; at least half of it
+constexpr std::size_t kBucketPoints = 4096;    ///< about: sorted into leaves by one thread, in its cache
+constexpr std::size_t kMostBuckets = 32'768;   ///< a bucket's number fits into 16 bits, with one left for none
+constexpr std::size_t kSamplesPerBucket = 64;  ///< medians are then good to some hundredths
+constexpr std::size_t kRanges = 64;            ///< pieces of the cloud that are sorted side by side
+constexpr std::size_t kCheck = 1 << 14;        ///< points between two looks at the cancel flag
+constexpr std::size_t kSideBySide = 8;
 constexpr std::size_t kLargeBucket = 1 << 20;     ///< looked at before it is copied: most of it may be in one place
 constexpr std::uint64_t kShareKept = 32;          ///< of memoryBudget(), which a cloud's order may keep
 constexpr std::uint64_t kLargeOrder = 256 << 20;  ///< bytes
@@ -178,9 +180,13 @@ void KdOrder::split(std::size_t node, std::uint32_t* first, std::uint32_t* last,
     const std::int32_t* values = m_axes[axis];
     std::nth_element(first, middle, last, [=](std::uint32_t a, std::uint32_t b) { return values[a] < values[b]; });
     std::int32_t value = values[*middle];
-    if (value == box.min[axis])
+    const auto below = [&](std::uint32_t p) { return values[p] < value; };
+    if (value == box.min[axis]) {
         ++value;  // half of them at the lowest value: those go left, so that both sides have some
-    middle = std::partition(first, last, [=](std::uint32_t p) { return values[p] < value; });
+        middle = std::partition(middle, last, below);
+    } else {
+        middle = std::partition(first, middle, below);
+    }
     m_splits[node] = {value, std::uint8_t(axis)};
     const auto left = [=, this, &progress] { split(2 * node, first, middle, progress); };
     const auto right = [=, this, &progress] { split(2 * node + 1, middle, last, progress); };
@@ -212,18 +218,28 @@ std::vector<std::uint32_t> KdOrder::sortIntoBuckets(const PointSet* leftOut, con
     };
     std::vector<std::vector<std::uint32_t>> counts(kRanges, std::vector<std::uint32_t>(m_buckets));
     forRanges([&](std::size_t range, std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            if ((leftOut != nullptr && leftOut->contains(i)) || (only != nullptr && !only->contains(i))) {
-                bucketOf[i] = kNoBucket;
-                continue;
-            }
-            std::size_t node = 1;
-            while (node < m_buckets) {
-                const Split s = m_splits[node];
-                node = 2 * node + std::size_t(m_axes[s.axis][i] >= s.value);
-            }
-            bucketOf[i] = std::uint16_t(node - m_buckets);
-            ++counts[range][node - m_buckets];
+        // Each step down waits for the one before, so several points go down side by side.
+        const auto down = [&](std::size_t node, std::size_t i) {
+            const Split s = m_splits[node];
+            return 2 * node + std::size_t(m_axes[s.axis][i] >= s.value);
+        };
+        const auto put = [&](std::size_t node, std::size_t i) {
+            const bool out =
+                (leftOut != nullptr && leftOut->contains(i)) || (only != nullptr && !only->contains(i));
+            bucketOf[i] = out ? kNoBucket : std::uint16_t(node - m_buckets);
+            if (!out) ++counts[range][node - m_buckets];
+        };
+        for (std::size_t i = first; i < last; i += kSideBySide) {
+            std::array<std::size_t, kSideBySide> nodes;
+            nodes.fill(1);
+            const std::size_t together = std::min(kSideBySide, last - i);
+            if (together == kSideBySide)
+                for (std::size_t reached = 1; reached < m_buckets; reached *= 2)
+                    for (std::size_t k = 0; k < kSideBySide; ++k) nodes[k] = down(nodes[k], i + k);
+            else
+                for (std::size_t reached = 1; reached < m_buckets; reached *= 2)
+                    for (std::size_t k = 0; k < together; ++k) nodes[k] = down(nodes[k], i + k);
+            for (std::size_t k = 0; k < together; ++k) put(nodes[k], i + k);
         }
     });
     std::vector<std::uint32_t> starts(m_buckets + 1);
@@ -291,12 +307,7 @@ private:
     {
         Item* const begin = m_items.data() + first;
         Item* const end = m_items.data() + last;
-        Box box;
-        for (const Item* item = begin; item != end; ++item)
-            for (std::size_t a = 0; a < 3; ++a) {
-                box.min[a] = std::min(box.min[a], item->raw[a]);
-                box.max[a] = std::max(box.max[a], item->raw[a]);
-            }
+        const Box box = boxOf(begin, end);
         m_order.m_boxes[node] = box;
         if (m_order.isLeaf(node)) {
             const auto before = [](const Item& a, const Item& b) { return a.point < b.point; };
@@ -319,6 +330,21 @@ private:
         cut(2 * node, first, middle);
         cut(2 * node + 1, middle, last);
     }
+    /// Three axes at once, and a fourth that means nothing.
+    static Box boxOf(const Item* begin, const Item* end)
+    {
+        using Four = std::int32_t __attribute__((vector_size(16)));
+        static_assert(sizeof(Item) == sizeof(Four));
+        Four low = {INT32_MAX, INT32_MAX, INT32_MAX, INT32_MAX},
+             high = {INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN};
+        for (const Item* item = begin; item != end; ++item) {
+            Four v;
+            std::memcpy(&v, item, sizeof(v));
+            low = v < low ? v : low;
+            high = v > high ? v : high;
+        }
+        return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+    }
     template <std::size_t axis>
     static Item* cutAlong(Item* begin, Item* end, const Box& box)
     {
@@ -326,8 +352,10 @@ private:
         std::nth_element(begin, middle, end,
                          [](const Item& a, const Item& b) { return a.raw[axis] < b.raw[axis]; });
         std::int32_t value = middle->raw[axis];
-        if (value == box.min[axis]) ++value;  // as in split()
-        return std::partition(begin, end, [=](const Item& item) { return item.raw[axis] < value; });
+        const auto below = [&](const Item& item) { return item.raw[axis] < value; };
+        if (value != box.min[axis]) return std::partition(begin, middle, below);
+        ++value;  // as in split()
+        return std::partition(middle, end, below);
     }
 
     KdOrder& m_order;

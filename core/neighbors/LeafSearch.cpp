@@ -18,6 +18,9 @@ constexpr std::size_t kRanked = 96;             ///< sorted by counting smaller 
 constexpr std::size_t kFewSlots = 1024, kManySlots = 1 << 16;
 constexpr std::uint32_t kNoLeaf = UINT32_MAX;
 constexpr std::uint32_t kNoPlace = UINT32_MAX;
+constexpr int kShared = 2;           ///< levels above the leaves: the leaves of such a node share what is listed
+constexpr int kUpper = 4;            ///< likewise: they share where leaves are looked for
+constexpr double kUpperReach = 1.5;  ///< of the square that a leaf is listed to, for those beside it
 constexpr double kLeastStep = 1e-9;  ///< beside the longest one; squares of shorter ones are lost in floats
 
 std::size_t roundUp(std::size_t count)
@@ -58,6 +61,8 @@ void LeafSearch::clear()
     m_points.clear();
     m_slots.assign(std::clamp<std::size_t>(m_slots.size(), kFewSlots, kManySlots), {kNoLeaf, {}});
     m_used = 0;
+    m_upper = 0;
+    m_group = 0;
 }
 
 LeafSearch::Slice LeafSearch::gathered(std::size_t leaf)
@@ -149,38 +154,74 @@ void LeafSearch::addBox(const KdOrder::Box& box, Slice slice)
     m_counts.push_back(slice.count);
 }
 
-bool LeafSearch::list(std::size_t leaf, double squared)
+/// Calls found(node) for the nodes of a level below `top` whose boxes are not further than that from a box, from
+/// the lowest to the highest, until it returns false.
+template <typename Found>
+bool LeafSearch::forNear(std::size_t top, std::size_t level, const KdOrder::Box& own, double squared,
+                         const Found& found) const
 {
-    if (m_x.size() > kMostGathered) clear();
-    m_boxes.clear();
-    m_firsts.clear();
-    m_counts.clear();
-    const KdOrder::Box& own = m_order.box(leaf);
-    const double limit = squared * (1 + 1e-6);
-    std::size_t points = 0;
     std::array<std::size_t, 64> stack;
-    stack[0] = 1;
+    stack[0] = top;
     for (std::size_t depth = 1; depth != 0;) {
         const std::size_t node = stack[--depth];
         const KdOrder::Box& box = m_order.box(node);
         if (box.empty()) continue;
         double distance = 0;
         for (std::size_t a = 0; a < 3; ++a) {
-            const std::int32_t apart = std::max({box.min[a] - own.max[a], own.min[a] - box.max[a], 0});
+            const std::int32_t apart = std::max(std::max(box.min[a] - own.max[a], own.min[a] - box.max[a]), 0);
             const double d = double(apart) * m_steps[a];
             distance += d * d;
         }
-        if (distance > limit) continue;
-        if (!m_order.isLeaf(node)) {
-            stack[depth++] = 2 * node + 1;
-            stack[depth++] = 2 * node;
+        if (distance > squared) continue;
+        if (node >= level) {
+            if (!found(node)) return false;
             continue;
         }
+        stack[depth++] = 2 * node + 1;
+        stack[depth++] = 2 * node;
+    }
+    return true;
+}
+
+/// The node whose leaves share what is listed.
+std::size_t LeafSearch::groupOf(std::size_t leaf)
+{
+    return std::max<std::size_t>(leaf >> kShared, 1);
+}
+
+bool LeafSearch::list(std::size_t leaf, double squared)
+{
+    if (squared <= listed(leaf)) return true;
+    const std::size_t group = groupOf(leaf);
+    const double limit = squared * (1 + 1e-6);
+    m_group = 0;
+    if (m_x.size() > kMostGathered) clear();
+    m_boxes.clear();
+    m_firsts.clear();
+    m_counts.clear();
+    const KdOrder::Box& own = m_order.box(group);
+    const std::size_t upper = std::max<std::size_t>(leaf >> kUpper, 1);
+    if (upper != m_upper || limit > m_upperLimit) {
+        m_upper = upper;
+        m_upperLimit = kUpperReach * limit;
+        m_uppers.clear();
+        forNear(1, std::bit_floor(upper), m_order.box(upper), m_upperLimit, [&](std::size_t node) {
+            m_uppers.push_back(node);
+            return true;
+        });
+    }
+    std::size_t points = 0;
+    const auto add = [&](std::size_t node) {
         const Slice slice = gathered(node);
         points += slice.count;
         if (points > kMostListed) return false;
-        addBox(box, slice);
-    }
+        addBox(m_order.box(node), slice);
+        return true;
+    };
+    for (const std::size_t top : m_uppers)
+        if (!forNear(top, std::bit_floor(leaf), own, limit, add)) return false;
+    m_group = group;
+    m_groupSquared = squared;
     m_scan.boxes = m_boxes.data();
     m_scan.firsts = m_firsts.data();
     m_scan.counts = m_counts.data();

@@ -31,6 +31,9 @@ public:
     void clear();
     /// Lists the leaves whose boxes are not further than that from a leaf's box; false when that is too much.
     bool list(std::size_t leaf, double squared);
+    /// Up to which squared distance leaves are listed already, as a leaf beside this one has the same ones near it;
+    /// below 0: none are.
+    double listed(std::size_t leaf) const { return m_group != 0 && m_group == groupOf(leaf) ? m_groupSquared : -1; }
     /// Points looked at from now on are near this one.
     void from(std::uint32_t point);
 
@@ -60,8 +63,12 @@ private:
     struct Slice {
         std::uint32_t first = 0, count = 0;
     };
+    static std::size_t groupOf(std::size_t leaf);
     Slice gathered(std::size_t leaf);
     void gather(std::span<const std::uint32_t> points);
+    template <typename Found>
+    bool forNear(std::size_t top, std::size_t level, const KdOrder::Box& own, double squared,
+                 const Found& found) const;
     void addBox(const KdOrder::Box& box, Slice slice);
     double exactSquared(std::uint32_t place) const { return m_order.squaredDistance(m_from, m_points[place]); }
     bool sortByRank(std::size_t found);
@@ -80,6 +87,12 @@ private:
     std::vector<std::uint32_t> m_points;
     std::vector<std::pair<std::uint32_t, Slice>> m_slots;  ///< open addressing by leaf; a power of two
     std::size_t m_used = 0;
+
+    std::size_t m_group = 0;            ///< the node whose leaves share what is listed; 0: none
+    double m_groupSquared = 0;          ///< up to which squared distance that goes
+    std::size_t m_upper = 0;            ///< an inner node, below which leaves were listed last; 0: none
+    double m_upperLimit = 0;            ///< square up to which nodes of its level are listed
+    std::vector<std::size_t> m_uppers;  ///< those
 
     std::vector<std::int32_t> m_boxes;
     std::vector<std::uint32_t> m_firsts, m_counts;

@@ -90,7 +90,7 @@ public:
     void leaf(std::size_t leaf, std::span<const std::uint32_t> points, const Progress& progress)
     {
         m_leaf = leaf;
-        m_listed = -1;
+        m_listed = m_search.listed(leaf);
         if (points.size() > kCheck) {  // many in one place, perhaps: those are searched for once
             m_byPlace.assign(points.begin(), points.end());
             std::sort(m_byPlace.begin(), m_byPlace.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -151,7 +151,7 @@ private:
     bool m_scans;
     std::size_t m_leaf = 0;
     double m_reach = -1;   ///< squared distance of the k-th neighbor, of the points before; not known yet
-    double m_listed = -1;  ///< up to which squared distance leaves are listed
+    double m_listed = -1;  ///< up to which squared distance leaves are listed; below 0: none are
     std::vector<KdOrder::Found> m_found;
     std::vector<std::uint32_t> m_byPlace;
 };

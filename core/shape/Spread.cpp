@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace punctum
 {
@@ -65,8 +66,9 @@ Spread spreadOfSums(const SpreadSums& sums) noexcept
     }
     const double determinant = e[0] * (e[1] * e[2] - c * c) - a * (a * e[2] - c * b) + b * (a * c - e[1] * b);
     const double angle = std::acos(std::clamp(determinant / (2 * p * p * p), -1.0, 1.0)) / 3;
-    constexpr double kThird = 2.0943951023931954923;  // of a turn
-    const double most = middle + 2 * p * std::cos(angle), least = middle + 2 * p * std::cos(angle + kThird);
+    // The cosines of the angle, which is 60 degrees at most, and of a third of a turn more.
+    const double cosine = std::cos(angle), sine = std::sqrt((1 - cosine) * (1 + cosine));
+    const double most = middle + 2 * p * cosine, least = middle - p * (cosine + std::numbers::sqrt3 * sine);
     spread.values = {std::max(0.0, least), std::max(0.0, 3 * middle - most - least), std::max(0.0, most)};
     if (sums.count < 3 || spread.values[1] <= kOnALine * spread.values[2]) return spread;
     // Rows of the matrix less the eigenvalue are at right angles to its vector; the longest product is the best
