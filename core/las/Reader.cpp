@@ -99,13 +99,25 @@ struct Shared {
     }
 };
 
+/// Powers of two: whole groups of those who deal the points out, and of 64, which share the words of sets.
+std::uint64_t blockPoints(const SourceFile& s)
+{
+    const std::uint64_t length = s.layout.length;
+    std::uint64_t block = std::bit_floor(std::clamp<std::uint64_t>(kReadBytes / length, 64, kMostInBlock));
+    while (s.pointCount / block / kRowOfBlocks >= UINT32_MAX) block *= 2;
+    return block;
+}
+
 }  // namespace
 
 struct Reader::Impl {
     File file;
     ParsedFile parsed;
 
-    void visitPlain(Shared& shared) const;
+    std::uint64_t rowPoints() const;
+    std::size_t pieces() const;
+    PointRange pointsOf(std::size_t piece) const;
+    std::vector<std::uint32_t> order(bool firsts) const;
     void visitBlock(PointRange block, std::vector<std::byte>& scratch, Shared& shared) const;
     /// What a worker keeps from chunk to chunk.
     struct ChunkWorker {
@@ -119,6 +131,7 @@ struct Reader::Impl {
         PointIndex given = 0;      ///< first point that was not given, or known
         std::uint64_t undone = 0;  ///< points that the progress has not counted
     };
+    void visitPiece(std::size_t piece, ChunkWorker& worker, Shared& shared) const;
     void visitChunk(const Chunk& chunk, ChunkWorker& worker, Shared& shared) const;
     std::optional<Trouble> tryChunk(const Chunk& chunk, ChunkWorker& worker, Shared& shared) const;
     static void lose(const Chunk& chunk, const Trouble& trouble, Shared& shared);
@@ -187,21 +200,57 @@ std::shared_ptr<PointCloud> Reader::createCloud() const
     return cloud;
 }
 
-void Reader::Impl::visitPlain(Shared& shared) const
+/// LAS: points that are one piece, but for the last one.
+std::uint64_t Reader::Impl::rowPoints() const
 {
-    const SourceFile& s = *parsed.source;
-    const std::uint64_t length = s.layout.length;
-    // Powers of two: whole groups of those who deal the points out, and of 64, which share the words of sets.
-    std::uint64_t block = std::bit_floor(std::clamp<std::uint64_t>(kReadBytes / length, 64, kMostInBlock));
-    while (s.pointCount / block / kRowOfBlocks >= UINT32_MAX) block *= 2;
-    const std::uint64_t row = block * kRowOfBlocks;
-    const auto rows = std::uint32_t((s.pointCount + row - 1) / row);
-    const std::vector<std::uint32_t> order = spreadOrder(rows);
-    forEachInOrder(order.size(), [&](std::vector<std::byte>& scratch, std::size_t turn) {
-        const PointIndex rowFirst = order[turn] * row, rowLast = std::min(rowFirst + row, s.pointCount);
-        for (PointIndex first = rowFirst; first < rowLast; first += block)
-            visitBlock({first, std::min(first + block, rowLast)}, scratch, shared);
-    });
+    return blockPoints(*parsed.source) * kRowOfBlocks;
+}
+
+std::size_t Reader::Impl::pieces() const
+{
+    if (parsed.source->compressed) return parsed.chunks.size();
+    const std::uint64_t row = rowPoints();
+    return std::size_t((parsed.source->pointCount + row - 1) / row);
+}
+
+PointRange Reader::Impl::pointsOf(std::size_t piece) const
+{
+    if (parsed.source->compressed) {
+        const Chunk& chunk = parsed.chunks[piece];
+        return {chunk.first, chunk.first + chunk.count};
+    }
+    const std::uint64_t row = rowPoints();
+    return {piece * row, std::min((piece + 1) * row, parsed.source->pointCount)};
+}
+
+/// Where some points of all of the file are there already, neighboring chunks come one after another: they share
+/// pages of what is drawn of them, which may lie beyond memory.
+std::vector<std::uint32_t> Reader::Impl::order(bool firsts) const
+{
+    const std::size_t count = pieces(), row = firsts && parsed.source->compressed ? kRowOfChunks : 1;
+    std::vector<std::uint32_t> order;
+    order.reserve(count);
+    for (const std::uint32_t first : spreadOrder(std::uint32_t((count + row - 1) / row)))
+        for (std::size_t k = first * row; k < std::min(count, (first + 1) * row); ++k)
+            order.push_back(std::uint32_t(k));
+    return order;
+}
+
+void Reader::Impl::visitPiece(std::size_t piece, ChunkWorker& worker, Shared& shared) const
+{
+    shared.progress.check();
+    if (parsed.source->compressed) {
+        const Chunk& chunk = parsed.chunks[piece];
+        if (parsed.laz.compressor == LazInfo::Pointwise)
+            visitStream(chunk, worker.records, shared);
+        else
+            visitChunk(chunk, worker, shared);
+        return;
+    }
+    const std::uint64_t block = blockPoints(*parsed.source);
+    const PointRange row = pointsOf(piece);
+    for (PointIndex first = row.first; first < row.last; first += block)
+        visitBlock({first, std::min(first + block, row.last)}, worker.records, shared);
 }
 
 /// Reads in slices, so that records, columns and what is made of them fit the cache together.
@@ -337,25 +386,9 @@ void Reader::Impl::visitStream(const Chunk& chunk, std::vector<std::byte>& scrat
 ReadResult Reader::Impl::visit(Progress& progress, const Receiver& receiver) const
 {
     Shared shared{progress, receiver, {}, {}};
-    if (!parsed.source->compressed) {
-        visitPlain(shared);
-    } else {
-        const bool stream = parsed.laz.compressor == LazInfo::Pointwise;
-        // Where some points of all of the file are there already, neighbors come one after another: they share
-        // pages of what is drawn of them, which may lie beyond memory.
-        const std::size_t row = receiver.known.empty() ? 1 : kRowOfChunks;
-        const std::vector<std::uint32_t> order = spreadOrder(std::uint32_t((parsed.chunks.size() + row - 1) / row));
-        forEachInOrder<ChunkWorker>(order.size() * row, [&](ChunkWorker& worker, std::size_t turn) {
-            progress.check();
-            const std::size_t k = order[turn / row] * row + turn % row;
-            if (k >= parsed.chunks.size()) return;
-            const Chunk& chunk = parsed.chunks[k];
-            if (stream)
-                visitStream(chunk, worker.records, shared);
-            else
-                visitChunk(chunk, worker, shared);
-        });
-    }
+    const std::vector<std::uint32_t> turns = order(false);
+    forEachInOrder<ChunkWorker>(
+        turns.size(), [&](ChunkWorker& worker, std::size_t turn) { visitPiece(turns[turn], worker, shared); });
     progress.check();
     file.checkUnchanged();
     return shared.finish();
@@ -490,59 +523,128 @@ std::vector<PointRange> Reader::readFirsts(PointCloud& cloud, const Pieces& piec
     return found;
 }
 
-ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& sink,
-                        std::span<const PointRange> firsts) const
+std::size_t Reader::pieces() const
 {
-    checkFits(cloud, *m_source);
-    const RecordLayout& layout = m_source->layout;
-    const std::size_t all = layout.fields.size() + layout.derived.size();
-    progress.begin("Reading points", m_source->pointCount);
-    const auto returnsField = std::size_t(layout.returnsColumn());
-    const std::uint8_t returnMask = isExtendedFormat(layout.shownFormat()) ? 15 : 7;
-    tbb::enumerable_thread_specific<Seen> seen;
+    return m_impl->pieces();
+}
+
+PointRange Reader::pointsOf(std::size_t piece) const
+{
+    return m_impl->pointsOf(piece);
+}
+
+std::vector<std::uint32_t> Reader::order(bool firsts) const
+{
+    return m_impl->order(firsts);
+}
+
+// -- reading piece by piece
+
+struct Reader::Worker::Impl {
+    Reader::Impl::ChunkWorker own;
+};
+
+Reader::Worker::Worker() : m_impl(std::make_unique<Impl>()) {}
+
+Reader::Worker::~Worker() = default;
+
+struct Reader::Reading::Impl {
+    const Reader& reader;
+    PointCloud& cloud;
+    Progress& progress;
+    BatchSink sink;
+    Deinterleaver deinterleave;
+    std::size_t returnsField;
+    std::uint8_t returnMask;
+    tbb::enumerable_thread_specific<Seen> seen{};
     // A cloud that keeps no boxes of its own, such as a part of a larger one, has bounds all the same.
-    std::optional<BlockBoxes> passing;
-    BlockBoxes& boxes = cloud.arriving() != nullptr ? *cloud.arriving() : passing.emplace(cloud.size());
-    const auto include = [&](PointRange range) {
+    std::optional<BlockBoxes> passing{};
+    Receiver receiver{};
+    Shared shared{progress, receiver, {}, {}};
+
+    RawBounds include(PointRange range)
+    {
+        BlockBoxes& boxes = passing ? *passing : *cloud.arriving();
         return boxes.include(range, cloud.rawX().data() + range.first, cloud.rawY().data() + range.first,
                              cloud.rawZ().data() + range.first);
-    };
-    const Deinterleaver deinterleave(layout);
-
-    Receiver receiver;
-    receiver.known = firsts;
-    receiver.records = [&](PointRange range, std::span<const std::byte> records) {
-        putRecords(cloud, layout, deinterleave, range, records);
-    };
-    receiver.arrived = [&](PointRange range) {
+    }
+    void arrived(PointRange range)
+    {
         const auto* returns = reinterpret_cast<const std::uint8_t*>(cloud.columns()[returnsField]->data());
         seen.local().include(include(range), returns + range.first, std::size_t(range.size()), returnMask);
         if (sink) sink(range);
-        leaveColumns(cloud, layout, range);
-        Residency::instance().keepUp(range.size() * layout.length);
-    };
-    receiver.withdrawn = [&](PointRange range) {
-        for (std::size_t k = 0; k < all; ++k) {
+        leaveColumns(cloud, reader.source()->layout, range);
+        Residency::instance().keepUp(range.size() * reader.source()->layout.length);
+    }
+    void withdrawn(PointRange range) const
+    {
+        const RecordLayout& layout = reader.source()->layout;
+        for (std::size_t k = 0; k < layout.fields.size() + layout.derived.size(); ++k) {
             const std::size_t bytes = layout.field(std::int32_t(k)).bytes();
             std::memset(cloud.columns()[k]->data() + range.first * bytes, 0, std::size_t(range.size()) * bytes);
         }
+    }
+};
+
+Reader::Reading::Reading(const Reader& reader, PointCloud& cloud, Progress& progress, BatchSink sink,
+                         std::span<const PointRange> firsts)
+{
+    const SourceFile& source = *reader.source();
+    checkFits(cloud, source);
+    m_impl.reset(new Impl{reader, cloud, progress, std::move(sink), Deinterleaver(source.layout),
+                          std::size_t(source.layout.returnsColumn()),
+                          std::uint8_t(isExtendedFormat(source.layout.shownFormat()) ? 15 : 7)});
+    if (cloud.arriving() == nullptr) m_impl->passing.emplace(cloud.size());
+    Impl& impl = *m_impl;
+    impl.receiver.known = firsts;
+    impl.receiver.records = [&impl](PointRange range, std::span<const std::byte> records) {
+        putRecords(impl.cloud, impl.reader.source()->layout, impl.deinterleave, range, records);
     };
-    ReadResult result = m_impl->visit(progress, receiver);
-    for (const PointRange& range : result.missing) include(range);
+    impl.receiver.arrived = [&impl](PointRange range) { impl.arrived(range); };
+    impl.receiver.withdrawn = [&impl](PointRange range) { impl.withdrawn(range); };
+}
+
+Reader::Reading::~Reading() = default;
+
+void Reader::Reading::read(std::size_t piece, Worker& worker)
+{
+    m_impl->reader.m_impl->visitPiece(piece, worker.m_impl->own, m_impl->shared);
+}
+
+ReadResult Reader::Reading::finish()
+{
+    Progress& progress = m_impl->progress;
+    PointCloud& cloud = m_impl->cloud;
+    const SourceFile& source = *m_impl->reader.source();
+    progress.check();
+    m_impl->reader.m_impl->file.checkUnchanged();
+    ReadResult result = m_impl->shared.finish();
+    for (const PointRange& range : result.missing) m_impl->include(range);
 
     PointsAsRead summary;
-    for (const Seen& s : seen) {
+    for (const Seen& s : m_impl->seen) {
         summary.bounds.include(s.bounds);
         for (std::size_t k = 0; k < 16; ++k) summary.byReturn[k] += s.byReturn[k];
     }
     summary.complete = true;
     summary.missing = result.missing;
-    if (m_source->header.versionMinor() >= 5)
+    if (source.header.versionMinor() >= 5)
         summary.gps = gpsRange(cloud, readable(cloud.size(), result.missing), progress);
-    summary.extra = extraBytesRanges(cloud, *m_source, readable(cloud.size(), result.missing), progress);
+    summary.extra = extraBytesRanges(cloud, source, readable(cloud.size(), result.missing), progress);
     result.bounds = summary.bounds;
-    m_source->asRead->set(std::move(summary));
+    source.asRead->set(std::move(summary));
     return result;
+}
+
+ReadResult Reader::read(PointCloud& cloud, Progress& progress, const BatchSink& sink,
+                        std::span<const PointRange> firsts) const
+{
+    Reading reading(*this, cloud, progress, sink, firsts);
+    progress.begin("Reading points", m_source->pointCount);
+    const std::vector<std::uint32_t> turns = order(!firsts.empty());
+    forEachInOrder<Worker>(turns.size(),
+                           [&](Worker& worker, std::size_t turn) { reading.read(turns[turn], worker); });
+    return reading.finish();
 }
 
 std::shared_ptr<PointCloud> load(const std::filesystem::path& path, Progress& progress, ReadResult* result)

@@ -89,6 +89,49 @@ public:
     ReadResult read(PointCloud& cloud, Progress& progress, const BatchSink& sink = {},
                     std::span<const PointRange> firsts = {}) const;
 
+    // -- the same piece by piece
+
+    /// How many pieces a reading has: chunks, or rows of records.
+    std::size_t pieces() const;
+    PointRange pointsOf(std::size_t piece) const;
+    /// All pieces in the order in which read() takes them; `firsts`: readFirsts() has given some.
+    std::vector<std::uint32_t> order(bool firsts) const;
+    /// What a thread keeps from piece to piece of one file.
+    class Worker
+    {
+    public:
+        Worker();
+        ~Worker();
+        Worker(const Worker&) = delete;
+        Worker& operator=(const Worker&) = delete;
+
+    private:
+        friend class Reader;
+        struct Impl;
+        std::unique_ptr<Impl> m_impl;
+    };
+    /// A read() whose pieces come in any order, from any threads.
+    class Reading
+    {
+    public:
+        /// As read(). All of this must outlive it. Throws Error (a cloud that is not the file's).
+        Reading(const Reader& reader, PointCloud& cloud, Progress& progress, BatchSink sink,
+                std::span<const PointRange> firsts);
+        ~Reading();
+        Reading(const Reading&) = delete;
+        Reading& operator=(const Reading&) = delete;
+        /// Each piece once. Several threads at a time, each with a worker of its own, while the file is open.
+        /// Throws Error (I/O), Cancelled.
+        void read(std::size_t piece, Worker& worker);
+        /// When all pieces have been read, while the file is open: what read() returns. Throws Error (the file was
+        /// changed), Cancelled.
+        ReadResult finish();
+
+    private:
+        struct Impl;
+        std::unique_ptr<Impl> m_impl;
+    };
+
     /// Called from worker threads, several at once, with the raw records of a range, one after another.
     using RecordVisitor = std::function<void(PointRange, std::span<const std::byte>)>;
 

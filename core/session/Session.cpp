@@ -94,7 +94,7 @@ Session::~Session() = default;
 las::ReadResult Session::read(Progress& progress, const las::Reader::BatchSink& sink,
                               const las::Reader::BatchSink& ahead)
 {
-    las::ReadResult result = m_survey->read(progress, sink, {.sink = ahead});
+    las::ReadResult result = m_survey->read(progress, sink, {.sink = ahead}, m_order.get());
     const std::lock_guard lock(m_mutex);  // who shows the files asks while they are read
     for (const PointRange& gone : result.missing)
         if (!gone.empty()) m_damagedParts[m_survey->partOf(gone.first)] = true;

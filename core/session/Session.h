@@ -8,6 +8,7 @@
 #include "core/las/Diff.h"
 #include "core/las/Reader.h"
 #include "core/steps/Replay.h"
+#include "core/survey/ReadingOrder.h"
 #include "core/survey/Survey.h"
 
 #include <atomic>
@@ -107,9 +108,11 @@ public:
     Session& operator=(const Session&) = delete;
 
     /// Reads all points, once, before anything of what follows. `sink` as in las::Reader::read(); `ahead`: told of
-    /// those that come before all others, as in Survey::Ahead.
+    /// those that come before all others, as in Survey::Ahead. What readingOrder() was told to look at comes first.
     las::ReadResult read(Progress& progress, const las::Reader::BatchSink& sink = {},
                          const las::Reader::BatchSink& ahead = {});
+    /// By which whoever looks at the points says what to read first. Any thread.
+    const std::shared_ptr<ReadingOrder>& readingOrder() const noexcept { return m_order; }
     /// There is nothing to recover any more: what is unsaved is given up.
     void close() noexcept;
 
@@ -207,6 +210,7 @@ private:
 
     std::filesystem::path m_opened;
     std::unique_ptr<Survey> m_survey;
+    std::shared_ptr<ReadingOrder> m_order = std::make_shared<ReadingOrder>();
     std::shared_ptr<PointCloud> m_cloud;
     std::filesystem::path m_folder;  ///< of journals; empty: none are kept
     std::unique_ptr<History> m_history;

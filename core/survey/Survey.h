@@ -17,6 +17,7 @@ namespace punctum
 {
 
 class Progress;
+class ReadingOrder;
 
 /// One or many LAS and LAZ files as one cloud.
 ///
@@ -80,8 +81,10 @@ public:
     };
 
     /// Reads all points, once. `sink` as in las::Reader::read(). A file of many that cannot be read is missing, and
-    /// told of, unless it is the last one left. Throws Error, Cancelled.
-    las::ReadResult read(Progress& progress, const las::Reader::BatchSink& sink, const Ahead& ahead);
+    /// told of, unless it is the last one left. `order`: by which somebody says what to read first; null, or while
+    /// nobody does: spread over the survey. Whatever the order, the result is the same. Throws Error, Cancelled.
+    las::ReadResult read(Progress& progress, const las::Reader::BatchSink& sink, const Ahead& ahead,
+                         ReadingOrder* order = nullptr);
     las::ReadResult read(Progress& progress, const las::Reader::BatchSink& sink)
     {
         return read(progress, sink, Ahead());
@@ -96,6 +99,7 @@ private:
     struct Member;
     struct ChangesOfThreads;
     class PartReading;
+    class FilesInReading;
 
     Survey();
     void unite();
@@ -104,8 +108,8 @@ private:
     std::shared_ptr<Column> ownColumn(const las::RecordField& field);
     std::shared_ptr<PointCloud> readingView(std::size_t part);
     void readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress& progress);
-    las::ReadResult readPart(std::size_t part, ChangesOfThreads& changes, Progress& progress,
-                             const las::Reader::BatchSink& sink);
+    WorldBounds boxOf(std::size_t part) const;
+    std::vector<WorldBounds> likelyBoxes(std::size_t part) const;
     bool isOwn(std::size_t part, std::size_t field) const;
 
     std::shared_ptr<PointCloud> m_cloud;
