@@ -31,6 +31,7 @@
 #include <QFile>
 #include <QFileInfo>
 #include <QInputDialog>
+#include <QLineEdit>
 #include <QListWidget>
 #include <QMenu>
 #include <QPushButton>
@@ -385,7 +386,19 @@ private slots:
         QTest::keyClick(classes, Qt::Key_Delete);
         QVERIFY(b.done());
         QCOMPARE(position(), std::size_t(0));
-        b.view().setFocus();
+        // and the mouse over the view gives it to the view, but not where somebody types
+        QLineEdit* const field = b.window->findChild<QLineEdit*>();
+        QVERIFY(field);
+        const auto cross = [&] {
+            QTest::mouseMove(classes->viewport(), QPoint(5, 5));
+            QTest::mouseMove(&b.view(), b.view().rect().center());
+        };
+        field->setFocus();
+        cross();
+        QCOMPARE(b.window->focusWidget(), static_cast<QWidget*>(field));
+        classes->setFocus();
+        cross();
+        QVERIFY(waitFor([&] { return b.view().hasFocus(); }));
         QVERIFY(b.runEdit([&] { b.key(Qt::Key_6); }));
         QTest::keyClick(&b.view(), Qt::Key_Delete);
         QVERIFY(waitFor([&] { return deleted() > 0; }));
