@@ -16,6 +16,7 @@
 namespace punctum
 {
 
+class Overview;
 class Progress;
 class ReadingOrder;
 
@@ -78,6 +79,7 @@ public:
         /// (render::SlotOrder), so that some of them are in the first ones, which are all that a picture of the
         /// whole is made of.
         std::uint64_t pointsBeyond = 1024;
+        PointIndex keptFrom = 20'000'000;  ///< surveys of so many have an Overview for the next opening
     };
 
     /// Reads all points, once. `sink` as in las::Reader::read(). A file of many that cannot be read is missing, and
@@ -107,7 +109,10 @@ private:
     void compareFiles();
     std::shared_ptr<Column> ownColumn(const las::RecordField& field);
     std::shared_ptr<PointCloud> readingView(std::size_t part);
-    void readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress& progress);
+    void readFirsts(const Ahead& ahead, Overview* overview, ChangesOfThreads& changes, Progress& progress);
+    std::unique_ptr<Overview> overview() const;
+    void show(const Overview& overview, const Ahead& ahead, ChangesOfThreads& changes, Progress& progress);
+    void keepOf(Overview& overview, std::size_t part, PointRange points) const;
     WorldBounds boxOf(std::size_t part) const;
     std::vector<WorldBounds> likelyBoxes(std::size_t part) const;
     bool isOwn(std::size_t part, std::size_t field) const;

@@ -8,6 +8,7 @@
 #include "core/las/Parallel.h"
 #include "core/las/RecordBlocks.h"
 #include "core/survey/Member.h"
+#include "core/survey/Overview.h"
 #include "core/survey/PackedFields.h"
 #include "core/survey/ReadingOrder.h"
 #include "core/survey/Survey.h"
@@ -15,9 +16,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <iterator>
 #include <list>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 namespace punctum
@@ -188,16 +191,89 @@ private:
     RawBounds m_bounds;
 };
 
+/// What is kept for the next opening, without pieces yet; null for surveys made of files that are no more.
+std::unique_ptr<Overview> Survey::overview() const
+{
+    std::vector<Overview::Of> files;
+    for (const Part& part : m_parts) {
+        const las::RecordLayout& layout = part.source->layout;
+        const las::CurrentFile file = part.source->current->get();
+        std::error_code error;
+        Overview::Of of{std::filesystem::absolute(part.path, error), file.stamp, part.points.size(), {}, 0};
+        if (error) return nullptr;
+        for (std::size_t k = 0; k < layout.fields.size() + layout.derived.size(); ++k) {
+            const las::RecordField& field = layout.field(std::int32_t(k));
+            of.layout += field.column + ' ' + std::to_string(int(field.type)) + ' ' +
+                         std::to_string(field.components) + '\n';
+            of.bytes += field.bytes();
+        }
+        files.push_back(std::move(of));
+    }
+    return std::make_unique<Overview>(std::move(files));
+}
+
+/// The values of points that were read.
+void Survey::keepOf(Overview& overview, std::size_t part, PointRange points) const
+{
+    const Member& member = *m_members[part];
+    const PointCloud& from = many() ? *member.view : *m_cloud;
+    const las::RecordLayout& layout = m_parts[part].source->layout;
+    Overview::Piece piece{part, points, {}};
+    for (std::size_t k = 0; k < layout.fields.size() + layout.derived.size(); ++k) {
+        const std::uint32_t bytes = layout.field(std::int32_t(k)).bytes();
+        const std::byte* const first = from.columns()[k]->data() + points.first * bytes;
+        piece.values.insert(piece.values.end(), first, first + points.size() * bytes);
+    }
+    overview.add(std::move(piece));
+}
+
+/// Shows what was kept. The points are read like all others, and then take the place of these.
+void Survey::show(const Overview& overview, const Ahead& ahead, ChangesOfThreads& changes, Progress& progress)
+{
+    std::vector<std::vector<const Overview::Piece*>> ofParts(m_parts.size());
+    for (const Overview::Piece& piece : overview.pieces()) ofParts[piece.of].push_back(&piece);
+    const std::vector<std::uint32_t> order = las::spreadOrder(std::uint32_t(m_parts.size()));
+    las::forEachInOrder(m_parts.size(), [&](std::vector<std::byte>&, std::size_t turn) {
+        const std::size_t k = order[turn];
+        progress.check();
+        if (ofParts[k].empty()) return;
+        const las::RecordLayout& layout = m_parts[k].source->layout;
+        Member& member = *m_members[k];
+        std::optional<PartReading> reading;
+        if (many()) reading.emplace(*this, k, changes);
+        const PointCloud& to = many() ? reading->view() : *m_cloud;
+        for (const Overview::Piece* const piece : ofParts[k]) {
+            const PointRange& range = piece->points;
+            const PointRange inSurvey{m_parts[k].points.first + range.first, m_parts[k].points.first + range.last};
+            const std::byte* from = piece->values.data();
+            for (std::size_t c = 0; c < layout.fields.size() + layout.derived.size(); ++c) {
+                const std::uint32_t bytes = layout.field(std::int32_t(c)).bytes();
+                std::memcpy(to.columns()[c]->data() + range.first * bytes, from, range.size() * bytes);
+                from += range.size() * bytes;
+            }
+            if (reading) reading->arrivedAhead(range);
+            ahead.sink(inSurvey);
+            member.kept.push_back(range);
+            member.firstBoxes[range.first] = m_cloud->coordinates().toWorld(boundsOf(*m_cloud, inSurvey));
+        }
+    });
+}
+
 /// The first points of chunks all over the survey, of each file some. What cannot be read is told of by read().
-void Survey::readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress& progress)
+/// `overview` has those of one chunk of each file already, or gets them.
+void Survey::readFirsts(const Ahead& ahead, Overview* overview, ChangesOfThreads& changes, Progress& progress)
 {
     const PointIndex all = m_cloud->size();
     if (all == 0 || all < ahead.from) return;
+    const bool known = overview != nullptr && !overview->pieces().empty();
+    if (known) show(*overview, ahead, changes, progress);
     const bool beyond = all * (source()->layout.length + kDrawnBytes) > memoryBudget();
     const std::uint64_t points = beyond ? ahead.pointsBeyond : ahead.points;
     const std::vector<std::uint32_t> order = las::spreadOrder(std::uint32_t(m_parts.size()));
+    const std::uint64_t room = known || overview == nullptr ? 0 : overview->room(points);
     // One chunk of each file, then the others: all of the survey is seen a little before any of it is seen better.
-    for (const bool one : {true, false})
+    for (const bool one : {true, false}) {
+        if (one && known) continue;
         las::forEachInOrder(m_parts.size(), [&](std::vector<std::byte>&, std::size_t turn) {
             const std::size_t k = order[turn];
             Member& member = *m_members[k];
@@ -220,9 +296,12 @@ void Survey::readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress&
                 } else {
                     found = reader.readFirsts(*m_cloud, pieces, points, progress, ahead.sink);
                 }
-                for (const PointRange& range : found)
+                for (const PointRange& range : found) {
+                    if (one && room != 0)
+                        keepOf(*overview, k, {range.first, std::min(range.last, range.first + room)});
                     member.firstBoxes[range.first] = m_cloud->coordinates().toWorld(boundsOf(
                         *m_cloud, {m_parts[k].points.first + range.first, m_parts[k].points.first + range.last}));
+                }
                 const auto before = std::ptrdiff_t(member.firsts.size());
                 member.firsts.insert(member.firsts.end(), found.begin(), found.end());
                 std::inplace_merge(member.firsts.begin(), member.firsts.begin() + before, member.firsts.end(),
@@ -231,6 +310,7 @@ void Survey::readFirsts(const Ahead& ahead, ChangesOfThreads& changes, Progress&
                 // read() meets the same, and tells of it
             }
         });
+    }
 }
 
 /// Where the points of each piece are likely to be, as far as first points tell.
@@ -363,6 +443,7 @@ private:
     {
         File& file = m_files[k];
         file.result = file.points->finish();
+        emptyKept(k);
         if (!file.part) return;
         if (file.part->hasOwnGrid()) file.result.bounds = file.part->bounds();
         if (const std::size_t beyond = m_survey.m_members[k]->beyond; beyond != 0)
@@ -370,6 +451,21 @@ private:
                 grouped(beyond) +
                 " coordinates lie too far away from the other files, and are shown at the edge of "
                 "what one survey can hold; they are saved as they are.");
+    }
+    /// Points that an overview had of places that turned out to be damaged mean nothing.
+    void emptyKept(std::size_t k)
+    {
+        const PointCloud& cloud = m_survey.many() ? m_files[k].part->view() : *m_survey.m_cloud;
+        const las::RecordLayout& layout = m_survey.m_parts[k].source->layout;
+        for (const PointRange& kept : m_survey.m_members[k]->kept)
+            for (const PointRange& gone : m_files[k].result.missing) {
+                const PointRange both{std::max(kept.first, gone.first), std::min(kept.last, gone.last)};
+                if (both.first >= both.last) continue;
+                for (std::size_t c = 0; c < layout.fields.size() + layout.derived.size(); ++c) {
+                    const std::uint32_t bytes = layout.field(std::int32_t(c)).bytes();
+                    std::memset(cloud.columns()[c]->data() + both.first * bytes, 0, both.size() * bytes);
+                }
+            }
     }
     /// A thread reads it no more; `over`: nobody will.
     void leave(std::size_t k, bool over) noexcept
@@ -384,6 +480,7 @@ private:
             member.view.reset();
             member.firsts.clear();
             member.firstBoxes.clear();
+            member.kept.clear();
             member.reader->close();
             m_opened.remove(k);
         }
@@ -414,13 +511,16 @@ las::ReadResult Survey::read(Progress& progress, const las::Reader::BatchSink& s
 {
     const Residency::Filling filling;
     ChangesOfThreads changes;
-    if (ahead.sink) readFirsts(ahead, changes, progress);
+    const std::unique_ptr<Overview> overview =
+        ahead.sink && m_cloud->size() >= ahead.keptFrom ? this->overview() : nullptr;
+    const bool known = overview != nullptr && overview->find();
+    if (ahead.sink) readFirsts(ahead, overview.get(), changes, progress);
     ReadingOrder nobodys;
     ReadingOrder& units = order != nullptr ? *order : nobodys;
     std::vector<ReadingOrder::Part> parts(m_parts.size());
     std::size_t count = 0;
     for (std::size_t k = 0; k < parts.size(); ++k) {
-        parts[k] = {boxOf(k), m_members[k]->reader->order(!m_members[k]->firsts.empty()), likelyBoxes(k)};
+        parts[k] = {boxOf(k), m_members[k]->reader->order(!m_members[k]->firstBoxes.empty()), likelyBoxes(k)};
         if (parts[k].turns.empty()) parts[k].turns.push_back(0);  // a file without points is looked at, too
         count += parts[k].turns.size();
     }
@@ -446,8 +546,15 @@ las::ReadResult Survey::read(Progress& progress, const las::Reader::BatchSink& s
     });
     progress.check();
     units.end();
+    std::string notKept;
+    try {
+        if (overview != nullptr && !known && !overview->pieces().empty()) overview->keep();
+    } catch (const Error& e) {
+        notKept = std::string("The next opening will show nothing before files are read: ") + e.what();
+    }
     if (!many()) {
         m_members[0]->reader.reset();  // closes the file
+        if (!notKept.empty()) files.result(0).warnings.push_back(notKept);
         return std::move(files.result(0));
     }
     las::ReadResult all;
@@ -472,6 +579,7 @@ las::ReadResult Survey::read(Progress& progress, const las::Reader::BatchSink& s
         m_members[k]->reader.reset();
     }
     if (failed == m_parts.size()) throw Error(failures.front());
+    if (!notKept.empty()) all.warnings.push_back(notKept);
     las::PointsAsRead read;
     read.missing = all.missing;
     source()->asRead->set(std::move(read));  // whoever writes all into one file leaves them out
