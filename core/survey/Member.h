@@ -57,8 +57,8 @@ struct Survey::Member {
     std::shared_ptr<PointCloud> view;              ///< what the reader fills
     std::vector<PointRange> firsts;                ///< points of the file that were read in advance, in order
     std::map<PointIndex, WorldBounds> firstBoxes;  ///< where they are, by the first of each
-    std::vector<PointRange> kept;      ///< points that an Overview had of it, until they are read themselves
-    std::size_t beyond = 0;                        ///< coordinates that the survey's grid cannot hold
+    std::vector<PointRange> kept;  ///< points that an Overview had of it, until they are read themselves
+    std::size_t beyond = 0;        ///< coordinates that the survey's grid cannot hold
 };
 
 /// One changes coordinates for one thread.

@@ -92,6 +92,9 @@ public:
         return read(progress, sink, Ahead());
     }
 
+    /// Lets go of what is kept of these files for the next opening (Overview.h), as if they never were opened.
+    void forgetOverview() const noexcept;
+
     /// One file's points with the edits, as las::write() takes them: columns share the survey's memory wherever the
     /// file's record has the same field. Hold cloud()->mutex() for as long as it is used. Throws Error when the
     /// file's point format cannot hold what the points are now.

@@ -212,6 +212,15 @@ std::unique_ptr<Overview> Survey::overview() const
     return std::make_unique<Overview>(std::move(files));
 }
 
+void Survey::forgetOverview() const noexcept
+{
+    try {
+        if (const auto kept = overview()) kept->forget();
+    } catch (const std::exception&) {
+        // without memory for its name it stays
+    }
+}
+
 /// The values of points that were read.
 void Survey::keepOf(Overview& overview, std::size_t part, PointRange points) const
 {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "core/Memory.h"
+#include "core/SummedText.h"
 #include "core/cloud/BlockBoxes.h"
 #include "core/las/Reader.h"
+#include "core/survey/Overview.h"
 #include "core/survey/Survey.h"
 #include "core/task/Progress.h"
 #include "tests/core/LasFiles.h"
@@ -54,14 +56,26 @@ bool sameRanges(const std::vector<PointRange>& a, const std::vector<PointRange>&
     });
 }
 
+bool sameValues(const PointCloud& a, const PointCloud& b, PointRange range)
+{
+    for (std::size_t k = 0; k < a.columns().size(); ++k) {
+        const std::size_t bytes = a.columns()[k]->elementBytes();
+        if (std::memcmp(a.columns()[k]->data() + range.first * bytes, b.columns()[k]->data() + range.first * bytes,
+                        range.size() * bytes) != 0)
+            return false;
+    }
+    return true;
+}
+
 /// The columns and the boxes of two clouds; says which differ, empty where none do.
-std::string difference(const PointCloud& a, const PointCloud& b)
+std::string difference(const PointCloud& a, const PointCloud& b, bool boxesToo = true)
 {
     if (a.size() != b.size() || a.columns().size() != b.columns().size()) return "sizes";
     for (std::size_t k = 0; k < a.columns().size(); ++k)
         if (!std::equal(a.columns()[k]->data(), a.columns()[k]->data() + a.size() * a.columns()[k]->elementBytes(),
                         b.columns()[k]->data()))
             return a.columns()[k]->name();
+    if (!boxesToo) return {};
     const auto boxes = a.boxes(), others = b.boxes();
     for (std::size_t k = 0; k < boxes->size(); ++k)
         if ((*boxes)[k] != (*others)[k]) return "boxes";
@@ -181,8 +195,100 @@ private slots:
         QVERIFY(result.bounds == expected.bounds);
     }
 
+    void keptBetweenOpenings_data() { surveys_data(); }
+    /// What is kept of a survey is shown when it is opened again, and changes nothing of what is read, even if it
+    /// lies.
+    void keptBetweenOpenings()
+    {
+        QFETCH(QStringList, names);
+        QFETCH(bool, beyond);
+        const QTemporaryDir cache("/var/tmp/punctum-kept-XXXXXX");
+        qputenv("XDG_CACHE_HOME", cache.path().toUtf8());
+        std::vector<fs::path> files;
+        for (const QString& name : names) {
+            files.push_back(fs::path(PUNCTUM_TEST_DATA) / name.toStdString());
+            if (!fs::exists(files.back())) QSKIP("The test data is missing.");
+        }
+        const auto plain = Survey::open(files, m_progress);
+        const las::ReadResult expected = plain->read(m_progress, {});
+        for (const char* turn : {"first", "again", "a lie"}) {
+            if (turn == std::string("a lie")) changeKept();
+            if (beyond) setMemoryBudget(1 << 20);
+            const auto survey = Survey::open(files, m_progress);
+            std::mutex mutex;
+            std::size_t pieces = 0, unlike = 0;
+            const auto sink = [&](PointRange range) {
+                const std::lock_guard lock(mutex);
+                ++pieces;
+                unlike += sameValues(*survey->cloud(), *plain->cloud(), range) ? 0 : 1;
+            };
+            const las::ReadResult result = survey->read(
+                m_progress, [](PointRange) {}, aheadOf(sink));
+            setMemoryBudget(0);
+            QVERIFY2(pieces >= files.size(), turn);
+            QCOMPARE(unlike, std::size_t(turn == std::string("a lie") ? 1 : 0));
+            QCOMPARE(difference(*plain->cloud(), *survey->cloud(), unlike == 0), std::string());
+            QCOMPARE(result.warnings, expected.warnings);
+            QVERIFY(result.bounds == expected.bounds);
+        }
+        qunsetenv("XDG_CACHE_HOME");
+    }
+
+    /// Points that were kept of a chunk that is damaged now are missing, like its others.
+    void keptOfWhatIsDamaged()
+    {
+        const QTemporaryDir cache("/var/tmp/punctum-kept-XXXXXX");
+        qputenv("XDG_CACHE_HOME", cache.path().toUtf8());
+        const fs::path path = fs::path(PUNCTUM_TEST_DATA) / "bcts_1.laz";
+        if (!fs::exists(path)) QSKIP("The test data is missing.");
+        lasfiles::Bytes bytes = lasfiles::readFile(path);
+        const std::vector<fs::path> files = {fs::path(m_dir.path().toStdString()) / "a.laz",
+                                             fs::path(m_dir.path().toStdString()) / "b.laz"};
+        for (const fs::path& file : files) lasfiles::writeFile(file, bytes);
+        const auto nothing = [](PointRange) {};
+        (void)Survey::open(files, m_progress)->read(m_progress, nothing, aheadOf(nothing));
+        const auto written = fs::last_write_time(files[0]);
+        std::uint32_t points = 0;
+        std::memcpy(&points, bytes.data() + 96, sizeof(points));
+        for (std::size_t k = 0; k < 2000; ++k) bytes[points + 20'000 + k] = std::byte(0);
+        lasfiles::writeFile(files[0], bytes);
+        fs::last_write_time(files[0], written);
+        const auto plain = Survey::open(files, m_progress), kept = Survey::open(files, m_progress);
+        const las::ReadResult expected = plain->read(m_progress, {});
+        std::atomic<std::size_t> shown{0};
+        const las::ReadResult result =
+            kept->read(m_progress, nothing, aheadOf([&](PointRange range) { shown += range.first == 0; }));
+        QCOMPARE(shown.load(), std::size_t(1));
+        QVERIFY(!expected.missing.empty() && expected.missing[0].first == 0);
+        QVERIFY(sameRanges(result.missing, expected.missing));
+        QCOMPARE(difference(*plain->cloud(), *kept->cloud(), false), std::string());
+        qunsetenv("XDG_CACHE_HOME");
+    }
+
 private:
     static constexpr std::uint64_t kPoints = 100;
+
+    static Survey::Ahead aheadOf(las::Reader::BatchSink sink)
+    {
+        return {.sink = std::move(sink),
+                .from = 0,
+                .chunks = 8,
+                .points = kPoints,
+                .pointsBeyond = 4 * kPoints,
+                .keptFrom = 0};
+    }
+    /// A value of the last piece becomes another one, and the sum is right.
+    static void changeKept()
+    {
+        const std::vector<fs::path> found(fs::directory_iterator(Overview::folder()), fs::directory_iterator());
+        QCOMPARE(found.size(), std::size_t(1));
+        lasfiles::Bytes bytes = lasfiles::readFile(found.front());
+        const std::size_t end = bytes.size() - sizeof(std::uint32_t);
+        bytes[end - 1] ^= std::byte(1);
+        const std::uint32_t sum = crc32(0, {reinterpret_cast<const char*>(bytes.data()), end});
+        std::memcpy(bytes.data() + end, &sum, sizeof(sum));
+        lasfiles::writeFile(found.front(), bytes);
+    }
 
     void compare(const las::Reader& reader)
     {

@@ -240,8 +240,9 @@ void SelectBar::takeCount()
     else
         m_count->setText(
             tr("%1 selected, %2 of them not visible").arg(pointsText(count), punctum::ui::countText(hidden)));
-    m_count->setToolTip(
-        hidden == 0 ? QString() : tr("Not visible: behind other points, or outside of the picture. They change, too."));
+    m_count->setToolTip(hidden == 0
+                            ? QString()
+                            : tr("Not visible: behind other points, or outside of the picture. They change, too."));
 }
 
 }  // namespace punctum::ui
