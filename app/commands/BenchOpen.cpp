@@ -2,7 +2,9 @@
 // punctum bench open: a survey from its headers to the full picture, and to that of a street after a jump.
 #include "app/commands/Bench.h"
 #include "core/Error.h"
+#include "core/las/RecordBlocks.h"
 #include "core/task/Progress.h"
+#include "render/camera/Sight.h"
 #include "render/store/CloudLoad.h"
 
 #include <fcntl.h>
@@ -10,6 +12,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <fstream>
 #include <memory>
 #include <thread>
@@ -51,16 +54,32 @@ constexpr const char* kCold = "cold.";
 /// ms between two looks at whether every part is seen, which take some themselves.
 constexpr double kLookEvery = 100;
 
-/// A tenth of the sides of the first part, from aslant: what a street takes.
-render::Camera streetCamera(const render::CloudLoad& load)
+/// A tenth of the sides of a part, from aslant: what a street takes.
+render::Camera streetCamera(const render::CloudLoad& load, std::size_t part)
 {
     const Survey& survey = load.session()->survey();
-    const auto boxes = survey.cloud()->boxes();
+    const WorldBounds& box = survey.parts()[part].source->firstBounds;
+    const CoordinateScale& grid = survey.cloud()->coordinates();
     RawBounds bounds;
-    for (std::size_t k = 0; k < boxes->size() && boxes->points(k).first < survey.parts().front().points.last; ++k)
-        bounds.include((*boxes)[k]);
+    for (const glm::dvec3& corner : {grid.toRaw(box.min), grid.toRaw(box.max)})
+        bounds.include(std::llround(corner.x), std::llround(corner.y), std::llround(corner.z));
     return benchCamera({survey.cloud(), load.store(), bounds, {}}, kBenchWidth, kBenchHeight, 0.1);
 }
+
+/// Looks from there, and tells those who read.
+void lookFrom(const render::Camera& camera, render::ProgressiveRenderer& renderer, const render::CloudLoad& load)
+{
+    renderer.setCamera(camera);
+    load.session()->readingOrder()->look(render::sightOf(camera, {kBenchWidth, kBenchHeight}, {}));
+}
+
+/// A jump to a street while files are read: until all in sight is read, and in a picture that is full.
+struct StreetJump {
+    bool begun = false;
+    Clock clock{};
+    double from = 0;  ///< share of the points that was read before
+    double took = 0;  ///< ms; 0: not there yet
+};
 
 /// Whether every part of the survey has a point in the picture.
 bool showsEveryPart(render::ProgressiveRenderer& renderer, const Survey& survey)
@@ -107,11 +126,23 @@ void openOnce(const BenchOptions& options, const std::string& prefix, Figures& f
         ended = true;
     });
     double first = 0, overview = 0;
+    StreetJump street;
     Clock looked;
     try {
         for (bool last = false; !last;) {
             last = ended;
-            (void)renderer.renderFrame(render::kFrameSeconds);
+            const bool sightRead = load.session()->readingOrder()->sightRead();
+            const render::FrameReport report = renderer.renderFrame(render::kFrameSeconds);
+            if (overview != 0 && !street.begun && !last) {
+                street = {true, Clock(), double(load.store()->filled()) / double(survey.cloud()->size()), 0};
+                // as far from what was read first as can be told
+                lookFrom(streetCamera(load, las::spreadOrder(std::uint32_t(survey.parts().size())).back()),
+                         renderer, load);
+            } else if (street.begun && street.took == 0 && sightRead && report.converged && report.current) {
+                street.took = street.clock.milliseconds();
+                renderer.setCamera(firstCamera(survey));
+                load.session()->readingOrder()->look({});
+            }
             if (first == 0 && renderer.coveredShare() > 0) first = clock.milliseconds();
             if (first != 0 && overview == 0 && looked.milliseconds() > kLookEvery) {
                 if (showsEveryPart(renderer, survey)) overview = clock.milliseconds();
@@ -127,6 +158,7 @@ void openOnce(const BenchOptions& options, const std::string& prefix, Figures& f
     reading.join();
     progress.check();
     if (!failure.empty()) throw Error(failure);
+    renderer.setCamera(firstCamera(survey));
     drawFull(renderer, progress);
     const double complete = clock.milliseconds();
     figures.add(prefix + "first_picture_ms", first != 0 ? first : complete);
@@ -135,9 +167,12 @@ void openOnce(const BenchOptions& options, const std::string& prefix, Figures& f
     figures.add(prefix + "points_drawn", double(renderer.pointsInSight()));
 
     const Clock jump;
-    renderer.setCamera(streetCamera(load));
+    renderer.setCamera(streetCamera(load, 0));
     drawFull(renderer, progress);
-    figures.add(prefix + "street_ms", jump.milliseconds());
+    const double afterwards = jump.milliseconds();
+    figures.add(prefix + "street_ms", street.took != 0 ? street.took : afterwards);
+    figures.add(prefix + "street_from", street.took != 0 ? street.from : 1.0);
+    figures.add(prefix + "street_read_ms", afterwards);
     figures.add(prefix + "peak_rss_mb", peakMegabytes());
 }
 
@@ -162,7 +197,8 @@ void addBenchOpen(CLI::App& bench, Action& action)
     CLI::App& command = addCommand(
         bench, "open",
         "Opening a survey, from the disk and once more: headers, the first picture, one with a point of every "
-        "file, the full one, and the full one after a jump to a street; with the most memory that it took");
+        "file, the full one, and the full one after a jump to a street while files are read (from which share of "
+        "the points on) and when all are; with the most memory that it took");
     const auto options = std::make_shared<BenchOptions>();
     addBenchOptions(command, *options);
     command.callback([options, &action] { action = [options](Progress& p) { runBenchOpen(*options, p); }; });

@@ -41,6 +41,13 @@ bool ReadingOrder::sightRead() const noexcept
            m_sorted.load(std::memory_order_acquire) == looks && m_unread.load(std::memory_order_acquire) == 0;
 }
 
+auto ReadingOrder::sight(std::uint64_t* looks) const -> std::shared_ptr<const Sight>
+{
+    const std::lock_guard lock(m_sightMutex);
+    if (looks != nullptr) *looks = m_looks.load(std::memory_order_relaxed);
+    return m_sight;
+}
+
 void ReadingOrder::begin(std::vector<Part> parts, const std::vector<std::uint32_t>& order)
 {
     const std::lock_guard lock(m_mutex);
@@ -61,16 +68,11 @@ std::optional<ReadingOrder::Unit> ReadingOrder::take()
 {
     const std::lock_guard lock(m_mutex);
     if (m_looks.load(std::memory_order_acquire) != m_sorted.load(std::memory_order_relaxed)) {
-        std::shared_ptr<const Sight> sight;
         std::uint64_t looks = 0;
-        {
-            const std::lock_guard told(m_sightMutex);
-            sight = m_sight;
-            looks = m_looks.load(std::memory_order_relaxed);
-        }
+        const auto told = sight(&looks);
         m_unread = SIZE_MAX;
         m_sorted.store(looks, std::memory_order_release);
-        sort(sight ? *sight : Sight());
+        sort(told ? *told : Sight());
     }
     const auto from = [&](const std::vector<Unit>& turns, std::size_t& turn) -> std::optional<Unit> {
         while (turn < turns.size()) {
@@ -88,16 +90,16 @@ std::optional<ReadingOrder::Unit> ReadingOrder::take()
 
 /// Finds what comes before the others, with m_mutex held: some 0.2 us for each file, and for each piece of those in
 /// sight.
-void ReadingOrder::sort(const Sight& sight)
+void ReadingOrder::sort(const Sight& seen)
 {
     m_next.clear();
     m_nextTurn = 0;
     std::fill(m_inSight.begin(), m_inSight.end(), false);
-    std::size_t unread = 0;
-    if (sight) {
+    std::size_t unread = seen ? 0 : SIZE_MAX;  // where nobody looks, it is known in the end
+    if (seen) {
         std::vector<int> sizes(m_parts.size());
         for (std::size_t k = 0; k < m_parts.size(); ++k)
-            sizes[k] = m_parts[k].box.empty() ? 0 : sizeClass(sight(m_parts[k].box));
+            sizes[k] = m_parts[k].box.empty() ? 0 : sizeClass(seen(m_parts[k].box));
         std::vector<std::vector<Unit>> bySize(kSizes);  // 0: what else the files in sight have
         for (std::size_t turn = 0; turn < m_turns.size(); ++turn) {
             const Unit unit = m_turns[turn];
@@ -105,7 +107,7 @@ void ReadingOrder::sort(const Sight& sight)
             const std::size_t index = indexOf(unit);
             const Part& part = m_parts[unit.part];
             const bool known = !part.boxes.empty() && !part.boxes[unit.piece].empty();
-            const int size = known ? sizeClass(sight(part.boxes[unit.piece])) : sizes[unit.part];
+            const int size = known ? sizeClass(seen(part.boxes[unit.piece])) : sizes[unit.part];
             m_inSight[index] = size > 0 || part.turns.size() <= kWholePart;
             unread += m_inSight[index] && m_state[index] != State::Done ? 1 : 0;
             if (m_state[index] == State::Waiting) bySize[std::size_t(size)].push_back(unit);

@@ -33,11 +33,15 @@ public:
     /// This is looked at from now on; null: nothing is.
     void look(Sight sight);
     /// Whether all that is in sight, as it was told last, has been read, or all there is. Where that is not known
-    /// of each piece of a file, all of the file counts. Not before reading has begun.
+    /// of each piece of a file, all of the file counts. Not before reading has begun; where nothing is looked at,
+    /// when all has been read.
     bool sightRead() const noexcept;
 
     // -- for Survey::read()
 
+    /// Of what is looked at, how large it is; null where nothing is. `looks`: how often look() was called.
+    std::shared_ptr<const Sight> sight(std::uint64_t* looks = nullptr) const;
+    std::uint64_t looks() const noexcept { return m_looks.load(std::memory_order_acquire); }
     /// A piece of a file: las::Reader::pieces().
     struct Unit {
         std::uint32_t part = 0, piece = 0;
@@ -61,7 +65,7 @@ public:
 
 private:
     enum class State : std::uint8_t { Waiting, Taken, Done };
-    void sort(const Sight& sight);
+    void sort(const Sight& seen);
     std::size_t indexOf(Unit unit) const noexcept { return m_first[unit.part] + unit.piece; }
 
     mutable std::mutex m_sightMutex;  ///< guards m_sight, for next to no time

@@ -112,7 +112,9 @@ private:
     void compareFiles();
     std::shared_ptr<Column> ownColumn(const las::RecordField& field);
     std::shared_ptr<PointCloud> readingView(std::size_t part);
-    void readFirsts(const Ahead& ahead, Overview* overview, ChangesOfThreads& changes, Progress& progress);
+    bool looksAtFew(const ReadingOrder& order) const;
+    void readFirsts(const Ahead& ahead, Overview* overview, const ReadingOrder& order, ChangesOfThreads& changes,
+                    Progress& progress);
     std::unique_ptr<Overview> overview() const;
     void show(const Overview& overview, const Ahead& ahead, ChangesOfThreads& changes, Progress& progress);
     void keepOf(Overview& overview, std::size_t part, PointRange points) const;

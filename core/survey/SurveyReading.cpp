@@ -15,6 +15,7 @@
 #include "core/task/Progress.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <iterator>
@@ -33,6 +34,8 @@ constexpr std::uint64_t kDrawnBytes = 17;  ///< of a point, for drawing it
 /// Of where the first points of a chunk and those of the next one are, by which the box is larger that the chunk is
 /// likely to be in, to each side: points of scanners and of tiles come about one after another.
 constexpr double kBoxMargin = 0.5;
+/// Of the files: where fewer are in sight, these are read before more first points of the others.
+constexpr double kFew = 0.25;
 
 }  // namespace
 
@@ -268,9 +271,20 @@ void Survey::show(const Overview& overview, const Ahead& ahead, ChangesOfThreads
     });
 }
 
+/// Whether most of the files are out of sight: somebody waits for the others.
+bool Survey::looksAtFew(const ReadingOrder& order) const
+{
+    const auto sight = order.sight();
+    if (!sight) return false;
+    std::size_t seen = 0;
+    for (std::size_t k = 0; k < m_parts.size(); ++k) seen += !boxOf(k).empty() && (*sight)(boxOf(k)) > 0.0 ? 1 : 0;
+    return double(seen) < kFew * double(m_parts.size());
+}
+
 /// The first points of chunks all over the survey, of each file some. What cannot be read is told of by read().
 /// `overview` has those of one chunk of each file already, or gets them.
-void Survey::readFirsts(const Ahead& ahead, Overview* overview, ChangesOfThreads& changes, Progress& progress)
+void Survey::readFirsts(const Ahead& ahead, Overview* overview, const ReadingOrder& order,
+                        ChangesOfThreads& changes, Progress& progress)
 {
     const PointIndex all = m_cloud->size();
     if (all == 0 || all < ahead.from) return;
@@ -278,15 +292,20 @@ void Survey::readFirsts(const Ahead& ahead, Overview* overview, ChangesOfThreads
     if (known) show(*overview, ahead, changes, progress);
     const bool beyond = all * (source()->layout.length + kDrawnBytes) > memoryBudget();
     const std::uint64_t points = beyond ? ahead.pointsBeyond : ahead.points;
-    const std::vector<std::uint32_t> order = las::spreadOrder(std::uint32_t(m_parts.size()));
+    const std::vector<std::uint32_t> turns = las::spreadOrder(std::uint32_t(m_parts.size()));
     const std::uint64_t room = known || overview == nullptr ? 0 : overview->room(points);
-    // One chunk of each file, then the others: all of the survey is seen a little before any of it is seen better.
+    std::atomic<std::uint64_t> looks{0};
+    std::atomic<bool> enough{false};
+    // One chunk of each file, then the others: all of the survey is seen a little before any of it is seen better,
+    // and then what somebody jumps to is more urgent.
     for (const bool one : {true, false}) {
         if (one && known) continue;
         las::forEachInOrder(m_parts.size(), [&](std::vector<std::byte>&, std::size_t turn) {
-            const std::size_t k = order[turn];
+            const std::size_t k = turns[turn];
             Member& member = *m_members[k];
             progress.check();
+            if (!one && looks.exchange(order.looks()) != order.looks()) enough = looksAtFew(order);
+            if (!one && enough) return;
             const double share = double(m_parts[k].points.size()) / double(all);
             las::Reader::Pieces pieces{std::size_t(double(ahead.chunks) * share) + 1, one ? 0u : 1u, 1};
             if (!one) pieces.last = pieces.count;
@@ -523,9 +542,9 @@ las::ReadResult Survey::read(Progress& progress, const las::Reader::BatchSink& s
     const std::unique_ptr<Overview> overview =
         ahead.sink && m_cloud->size() >= ahead.keptFrom ? this->overview() : nullptr;
     const bool known = overview != nullptr && overview->find();
-    if (ahead.sink) readFirsts(ahead, overview.get(), changes, progress);
     ReadingOrder nobodys;
     ReadingOrder& units = order != nullptr ? *order : nobodys;
+    if (ahead.sink) readFirsts(ahead, overview.get(), units, changes, progress);
     std::vector<ReadingOrder::Part> parts(m_parts.size());
     std::size_t count = 0;
     for (std::size_t k = 0; k < parts.size(); ++k) {

@@ -18,6 +18,8 @@ struct FrameReport {
     /// screen can show (Detail::OfScreen); the image is that of these then.
     PointIndex asked = 0;
     bool partly = false;
+    /// When converged: of points that have come in sight while a cloud loads, none is missing in the picture.
+    bool current = false;
     /// Seconds of its parts. Where the device keeps the time, of reprojecting and filling by its clock.
     struct Passes {
         double reproject = 0;  ///< what was visible, drawn anew

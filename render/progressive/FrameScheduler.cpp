@@ -24,8 +24,8 @@ constexpr std::uint64_t kMostFirst = 1'000'000;
 void FrameScheduler::beginPass(ViewClouds& clouds) noexcept
 {
     for (const auto& cloud : clouds) {
-        cloud->drawn = cloud->colored = 0;
-        cloud->filledAtStart = cloud->store->filled();
+        cloud->begin();
+        cloud->colored = 0;
     }
 }
 
@@ -40,8 +40,7 @@ bool FrameScheduler::beginGrown(ViewClouds& clouds, bool partly) noexcept
     bool any = false;
     for (const auto& cloud : clouds) {
         if (cloud->partly != partly || !cloud->grown()) continue;
-        cloud->drawn = 0;
-        cloud->filledAtStart = cloud->store->filled();
+        cloud->begin();
         any = true;
     }
     return any;

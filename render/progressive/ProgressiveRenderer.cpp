@@ -29,6 +29,10 @@ constexpr double kStreamAlone = 0.020;
 /// Of a frame of a still view that is not full yet, as a multiple: making the picture costs as much as drawing
 /// millions of points, and nobody waits for the next one as in motion.
 constexpr double kStillFrame = 2.0;
+/// What is in sight of a cloud beyond memory is drawn again while it is read: in so many steps, and when nothing
+/// more has come for so many seconds.
+constexpr double kStepsInSight = 4.0;
+constexpr double kNothingMore = 0.1;
 
 /// Whether a point gives way to the surface that is made of its class: selected ones do not.
 bool isReplaced(const PointStore& store, const LayerColors& colors, Slot slot, const std::bitset<256>& classes)
@@ -395,6 +399,40 @@ bool ProgressiveRenderer::drawsPartly() const noexcept
     return std::any_of(m_clouds.begin(), m_clouds.end(), [](const auto& cloud) { return cloud->partly; });
 }
 
+bool ProgressiveRenderer::current() const noexcept
+{
+    return std::all_of(m_clouds.begin(), m_clouds.end(), [](const auto& cloud) {
+        return cloud->partly ? cloud->newInSight == 0 : cloud->complete();
+    });
+}
+
+/// Of clouds that load and are drawn partly: how much of what has come is in sight.
+void ProgressiveRenderer::noteArrivals()
+{
+    const bool drawn = !m_layersChanged && m_scene.layers.size() == m_clouds.size();
+    for (std::size_t k = 0; k < m_clouds.size(); ++k) {
+        ViewCloud& cloud = *m_clouds[k];
+        const std::size_t arrivals = cloud.store->arrivals();
+        if (!drawn || !cloud.partly) {
+            cloud.arrivals = arrivals;
+            continue;
+        }
+        const Layer& layer = m_scene.layers[k];
+        if (arrivals != cloud.arrivals) {
+            std::vector<PointRange> points;
+            cloud.store->arrivedPoints(std::exchange(cloud.arrivals, arrivals), arrivals, points);
+            if (const PointIndex seen = render::pointsInSight(layer, m_size, points); seen != 0) {
+                cloud.newInSight += seen;
+                cloud.newestInSight = now();
+            }
+        }
+        const double known = layer.visible ? double(layer.visible->known()) * double(PointStore::kStretchPoints)
+                                           : double(cloud.store->cloud().size());
+        cloud.grownInSight = cloud.newInSight != 0 && (double(cloud.newInSight) * kStepsInSight >= known ||
+                                                       now() - cloud.newestInSight > kNothingMore);
+    }
+}
+
 PointIndex ProgressiveRenderer::pointsInSight() const noexcept
 {
     double points = 0;
@@ -413,9 +451,11 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
         if (entry->loading && store.filled() > entry->filledAtRange + entry->filledAtRange / 2)
             m_legend.valuesChanged();
     }
+    noteArrivals();
     agree();
     if (m_words.waiting() && !WordStream::anyStale(m_clouds)) wordsFresh();
     if (converged() && !m_legend.rangeNeeded()) {
+        report.current = current();
         report.converged = true;
         report.share = 1.0;
         report.partly = drawsPartly();
@@ -496,6 +536,7 @@ FrameReport ProgressiveRenderer::renderFrame(double budget)
     report.partly = drawsPartly();
     report.asked = pointsInSight();
     report.converged = converged();
+    report.current = current();
     report.passes = m_passes;
     const RasterBackend::Traffic after = m_backend->traffic();
     report.bytesUp = after.up - before.up;

@@ -148,6 +148,8 @@ private:
     /// Makes the scene of the next frame from what the view was told.
     void updateScene();
     bool drawsPartly() const noexcept;
+    bool current() const noexcept;
+    void noteArrivals();
     void resolveImage(ResolveSettings settings);
     bool showsSurface() const noexcept;
     /// Finds out which pixels show a point that gives way to the surface.

@@ -36,17 +36,30 @@ struct ViewCloud {
 
     /// Of stretches in sight a part is drawn (Detail::OfScreen), as the cloud lies beyond memory.
     bool partly = false;
+    std::size_t arrivals = 0;   ///< PointStore::arrivals() that were looked at
+    PointIndex newInSight = 0;  ///< where drawn partly: points in sight that came since the pass began
+    double newestInSight = 0;   ///< when the last of them were seen to have come, by now()
+    bool grownInSight = false;  ///< they are worth drawing again
 
+    /// Another pass begins.
+    void begin() noexcept
+    {
+        drawn = 0;
+        filledAtStart = store->filled();
+        newInSight = 0;
+        grownInSight = false;
+    }
     bool passDone() const noexcept { return drawn >= store->slotCount() || filledAtStart == 0; }
     /// Of its slots, drawn in this pass.
     double share() const noexcept { return double(drawn) / double(store->slotCount()); }
     /// It was drawn, and has got so many more points since that it is worth drawing again. Beyond memory that takes
-    /// the disk, so that there are some dozen times.
+    /// the disk, so that there are some dozen times, and some more of what is in sight.
     bool grown() const noexcept
     {
         const PointIndex all = store->cloud().size(), now = store->filled();
         const PointIndex some = partly ? std::min(all / 64, filledAtStart / 4) : 0;
-        return passDone() && now != filledAtStart && now >= std::min(all, filledAtStart + some);
+        return passDone() && now != filledAtStart &&
+               (now >= std::min(all, filledAtStart + some) || (partly && grownInSight));
     }
     bool complete() const noexcept { return passDone() && !grown(); }
 };

@@ -89,6 +89,7 @@ VisibleStretches::VisibleStretches(const Layer& layer, const TargetSize& size, D
         if (box.empty() && !(partly && growing)) continue;
         if (!box.empty() && outOfSight(layer, box, sides)) continue;
         m_list.push_back(std::uint32_t(k));
+        m_known += box.empty() ? 0 : 1;
         if (!partly) continue;
         const auto rect = box.empty() ? std::nullopt : screenRect(layer.projection, box);
         // of what reaches behind the eye all is drawn, and of what is not known no more than has to be
@@ -107,6 +108,25 @@ VisibleStretches::VisibleStretches(const Layer& layer, const TargetSize& size, D
     const Slot slots = store.slotCount();
     m_share = std::min(1.0, double(drawn({0, slots})) / double(slots));
     m_all = m_list.size() == stretches && m_windows.empty();
+}
+
+PointIndex pointsInSight(const Layer& layer, const TargetSize& size, std::span<const PointRange> ranges)
+{
+    const PointStore& store = *layer.store;
+    if (store.stretches() == 0) return 0;
+    const BlockBoxes* const arriving = store.cloud().arriving();
+    const std::shared_ptr<const BlockBoxes> known = arriving == nullptr ? store.boxes() : nullptr;
+    const BlockBoxes& boxes = arriving != nullptr ? *arriving : *known;
+    const std::vector<LinearSide> sides = sidesOf(layer, size);
+    PointIndex points = 0;
+    for (const PointRange& range : ranges)
+        for (PointIndex first = range.first, last = first; first < range.last; first = last) {
+            const PointIndex stretch = first / PointStore::kStretchPoints;
+            last = std::min(range.last, (stretch + 1) * PointStore::kStretchPoints);
+            const LocalBox box = store.frame().toLocal(boxes[std::size_t(stretch)]);
+            if (box.empty() || !outOfSight(layer, box, sides)) points += last - first;
+        }
+    return points;
 }
 
 /// As many windows of each as the screen can show where it comes to lie, as a power of two.
@@ -129,7 +149,8 @@ void VisibleStretches::chooseWindows(const PointStore& store, const TargetSize& 
         m_windows[m_list[i]] = std::max(wanted, least);
         some = some || m_windows[m_list[i]] < all;
     }
-    if (!some) m_windows.clear();
+    // While the store is filled, whoever draws partly looks anew at what is in sight as it grows.
+    if (!some && !(growing && m_list.size() < store.stretches())) m_windows.clear();
 }
 
 auto VisibleStretches::levelOf(std::uint64_t window) const noexcept -> const Level&

@@ -47,7 +47,7 @@ public:
     bool all() const noexcept { return m_all; }
     /// Share of the slots that are drawn, 0 to 1.
     double share() const noexcept { return m_share; }
-    /// Some stretches in sight are not drawn in all windows.
+    /// Some stretches in sight are not drawn in all windows; while the store is filled, or some are out of sight.
     bool partly() const noexcept { return !m_windows.empty(); }
     /// Windows, from the first one, in which a stretch of the list() is drawn.
     std::uint32_t windows(std::size_t stretch) const noexcept
@@ -60,6 +60,8 @@ public:
     std::uint64_t drawn(SlotRange slots) const noexcept;
     /// The end of the run of whole windows from `first` on in which so many slots are drawn; at most `last`.
     Slot runOf(Slot first, std::uint64_t slots, Slot last) const noexcept;
+    /// How many stretches in sight have a box.
+    std::size_t known() const noexcept { return m_known; }
     /// Those in sight, rising.
     std::span<const std::uint32_t> list() const noexcept { return m_list; }
     /// Appends what of a run of slots is in sight, in rising order, in pieces of at most `most` slots.
@@ -82,6 +84,11 @@ private:
     std::vector<std::uint32_t> m_windows;  ///< of each stretch, of those out of sight 0; empty: all
     double m_share = 1.0;
     bool m_all = true;
+    std::size_t m_known = 0;
 };
+
+/// How many of these points are of stretches that a view can see, by their boxes as they are now, while the store
+/// is filled.
+PointIndex pointsInSight(const Layer& layer, const TargetSize& size, std::span<const PointRange> ranges);
 
 }  // namespace punctum::render

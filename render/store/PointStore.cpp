@@ -24,8 +24,6 @@ constexpr PointIndex kFewPoints = 200'000;
 
 constexpr PointIndex kSamples = 4096;
 
-/// Slots drawn while points arrive of a cloud that lies beyond memory: 270 MB.
-constexpr std::uint64_t kSlotsOfGrowing = 16'000'000;
 /// Of each range ahead, in the prime order.
 constexpr PointIndex kFewAhead = 32;
 
@@ -258,7 +256,7 @@ std::uint32_t PointStore::windowsOfGrowing(std::uint64_t inWindow) const noexcep
 {
     if (inWindow == 0) inWindow = m_order.windowSize();
     const std::uint64_t all = std::uint64_t(m_order.memberMask()) + 1;
-    return std::bit_floor(std::uint32_t(std::clamp<std::uint64_t>(kSlotsOfGrowing / inWindow, 1, all)));
+    return std::bit_floor(std::uint32_t(std::clamp<std::uint64_t>(m_slotsOfGrowing / inWindow, 1, all)));
 }
 
 void PointStore::withdraw(PointRange range)
@@ -273,6 +271,12 @@ void PointStore::withdraw(PointRange range)
     if (gone == 0) return;
     m_filled.fetch_sub(gone, std::memory_order_release);
     bumpVersions(range, true);
+}
+
+void PointStore::arrivedPoints(std::size_t from, std::size_t to, std::vector<PointRange>& out) const
+{
+    const std::lock_guard lock(m_arrivalMutex);
+    for (std::size_t k = from; k < std::min(to, m_arrived.size()); ++k) out.push_back(m_arrived[k].range);
 }
 
 bool PointStore::arrivedSlots(std::size_t from, std::size_t to, SlotRange within, std::vector<SlotRange>& out) const

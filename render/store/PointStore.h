@@ -68,6 +68,8 @@ public:
     /// arrive, at least: 16 M slots in all, as a power of two. `inWindow`: slots of a window that are in sight; 0:
     /// all.
     std::uint32_t windowsOfGrowing(std::uint64_t inWindow = 0) const noexcept;
+    /// So many slots instead. Before anything is filled.
+    void setSlotsOfGrowing(std::uint64_t count) noexcept { m_slotsOfGrowing = count; }
     /// Points of a range turned out to be damaged after they were taken: their slots are empty again. Any thread.
     void withdraw(PointRange range);
     /// fill() for all points of a cloud that is complete, in parallel.
@@ -132,6 +134,8 @@ public:
 
     /// How many calls of fill() have ended. A copy on a device brings over what came since it looked last.
     std::size_t arrivals() const noexcept { return m_arrivals.load(std::memory_order_acquire); }
+    /// Appends the points of these calls, and of fillAhead().
+    void arrivedPoints(std::size_t from, std::size_t to, std::vector<PointRange>& out) const;
     /// Appends runs of slots, within these, that have the points of the calls [from, to) in them, in no order and
     /// with some more; false where nothing is worth bringing yet: in the prime order the points of each call are
     /// everywhere, so all slots are given, each time twice as many points have come, and at the end.
@@ -205,6 +209,7 @@ private:
     std::shared_ptr<const AttributeEncoder> m_previewEncoder;  ///< instead, while there is a preview
     std::shared_ptr<const Preview> m_preview;
     std::shared_ptr<const PointSet> m_selection;  ///< null until anything was selected
+    std::uint64_t m_slotsOfGrowing = 16'000'000;  ///< 270 MB
     std::atomic<PointIndex> m_filled{0};
     struct Arrival {
         PointRange range;

@@ -85,6 +85,14 @@ private slots:
         for (const std::uint32_t k : las::spreadOrder(6)) expected.push_back(k);
         QCOMPARE(tiles, expected);
         QVERIFY(session->readingOrder()->sightRead());
+        const auto again = open();
+        again->readingOrder()->look(sightOfTile(3));
+        again->readingOrder()->look({});  // and away
+        std::size_t read = 0;
+        m_arrived = [&](std::size_t) { read += again->readingOrder()->sightRead() ? 1 : 0; };
+        QCOMPARE(readAlone(*again), expected);
+        m_arrived = nullptr;
+        QCOMPARE(read, std::size_t(0));
     }
 
     void whatIsInSightComesFirst()

@@ -3,6 +3,7 @@
 #include "render/camera/Camera.h"
 #include "render/camera/CameraFile.h"
 #include "render/camera/Projection.h"
+#include "render/camera/Sight.h"
 #include "tests/render/SyntheticCloud.h"
 
 #include <glm/geometric.hpp>
@@ -43,6 +44,7 @@ private Q_SLOTS:
     void oneScaleInParallel();
     void textOfACamera();
     void tellsHowLargeABoxIsSeen();
+    void whatTheClipLeavesIsInSight();
     void degreesHaveTheirTrueShape();
     void farCoordinatesDrawWithoutJitter_data();
     void farCoordinatesDrawWithoutJitter();
@@ -196,6 +198,26 @@ void CameraTest::tellsHowLargeABoxIsSeen()
     const double depth = near.eye.y;
     QCOMPARE(near.seenSize({{1e5, depth - 50, 0}, {1e5 + 100, depth + 50, 5}}, size), 0.0);
     QCOMPARE(near.seenSize({{100, depth - 50, 0}, {110, depth + 50, 5}}, size), 400.0);
+}
+
+void CameraTest::whatTheClipLeavesIsInSight()
+{
+    Camera c;
+    c.setView("top");
+    c.orthographic = true;
+    const glm::dvec2 size(400, 400);
+    c.fit({{0, 0, 0}, {100, 100, 10}}, size);
+    const WorldBounds left{{0, 0, 0}, {40, 100, 10}}, right{{60, 0, 0}, {100, 100, 10}},
+        beyond{{500, 0, 0}, {600, 100, 10}};
+    const auto all = sightOf(c, size, {});
+    QCOMPARE(all(left), c.seenSize(left, size));
+    QVERIFY(all(left) > 0 && all(right) > 0 && all(beyond) == 0);
+    const auto boxed = sightOf(c, size, {WorldBounds{{30, 20, -100}, {50, 30, 100}}, {}});
+    QVERIFY(boxed(left) > 0 && boxed(left) < all(left) / 2);
+    QCOMPARE(boxed(right), 0.0);
+    const auto cut = sightOf(c, size, {std::nullopt, {{{1, 0, 0}, 50}}});
+    QCOMPARE(cut(left), 0.0);
+    QVERIFY(cut(right) > 0);
 }
 
 void CameraTest::degreesHaveTheirTrueShape()

@@ -210,6 +210,38 @@ private Q_SLOTS:
         QCOMPARE(differing(moved.renderer.image(), once.renderer.image()), 0);
     }
 
+    /// Few points, next to all there are, are drawn when they come in sight: what is looked at is soon full while
+    /// the rest is still read.
+    void fewNewPointsAreDrawnInSight()
+    {
+        const auto store = storeBeyond(m_cloud, false);
+        store->setSlotsOfGrowing(kPoints / 16);
+        const Camera whole = fartherBy(cameraFor(*m_cloud, 320, 200), 2);
+        View view({}, whole, DisplaySettings());
+        view.renderer.addCloud(store);
+        store->fill({0, kPoints - 30'000});
+        view.converge();
+        QVERIFY(view.renderer.renderFrame(0).partly);
+        QVERIFY(view.renderer.renderFrame(0).current);
+        store->fill({kPoints - 30'000, kPoints - 20'000});  // less than a 64th
+        QVERIFY(!view.renderer.renderFrame(0).current);
+        QTest::qSleep(150);
+        view.converge();
+        QVERIFY(view.renderer.renderFrame(0).current);
+        View other({}, whole, DisplaySettings());
+        other.renderer.addCloud(store);
+        other.converge();
+        QCOMPARE(differing(view.renderer.image(), other.renderer.image()), 0);
+        // out of sight nothing is drawn again
+        Camera away = whole;
+        away.eye.x += 1e7;
+        away.pivot.x += 1e7;
+        view.renderer.setCamera(away);
+        view.converge();
+        store->fill({kPoints - 20'000, kPoints - 10'000});
+        QVERIFY(view.renderer.renderFrame(0).current);
+    }
+
     /// How many of a stretch are hidden is not known, so all are looked at.
     void hiddenPointsTakeNothingFromOthers()
     {
@@ -222,6 +254,28 @@ private Q_SLOTS:
         view.converge();
         QVERIFY(!view.renderer.renderFrame(0).partly);
         QCOMPARE(differing(view.renderer.image(), other.bruteForce()), 0);
+    }
+
+    /// Of points ahead those are taken that a picture of the whole is drawn of, and they stay in it.
+    void pointsAheadAreSeen()
+    {
+        const auto store = storeBeyond(m_cloud, false);
+        store->setSlotsOfGrowing(kPoints / 64);
+        QVERIFY(store->windowsOfGrowing() <= 16);
+        for (PointIndex first = 0; first + 1024 < kPoints; first += 50'000) store->fillAhead({first, first + 1024});
+        QVERIFY(store->filled() < 16 * 31);
+        View view({}, cameraFor(*m_cloud, 320, 200), DisplaySettings());
+        view.renderer.addCloud(store);
+        const auto seen = [&] {
+            view.converge();
+            std::vector<bool> pieces(30);
+            view.renderer.visiblePoints(*m_cloud).forEach([&](PointIndex i) { pieces[i / 50'000] = true; });
+            return std::count(pieces.begin(), pieces.end(), true);
+        };
+        QVERIFY(view.converge() > 0 && view.renderer.renderFrame(0).partly);
+        QCOMPARE(seen(), 30);
+        store->fill({0, 200'000});
+        QCOMPARE(seen(), 30);
     }
 
     /// While points arrive the picture comes on, rests in between, and is in the end that of a store filled at

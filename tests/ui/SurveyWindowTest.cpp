@@ -109,6 +109,45 @@ class SurveyWindowTest : public QObject
 {
     Q_OBJECT
 private slots:
+    /// What the view looks at is told to those who read, while they do: the tile that it moved to, and nothing of
+    /// the others; all again when it shows all.
+    void readersKnowWhatIsLookedAt()
+    {
+        SurveyBench bench(4);
+        Viewport& view = bench.window->viewport();
+        const auto boxOf = [](int k) {
+            const double low = kWidth * k;
+            return WorldBounds{{low + 100, 100, 400}, {low + 1000, 400, 500}};
+        };
+        std::uint64_t before = 0, after = 0;
+        std::vector<bool> seen;
+        bool all = false;
+        connect(&bench.workspace(), &Workspace::documentAdded, this, [&](Document* document) {
+            ReadingOrder& order = *document->session()->readingOrder();
+            before = order.looks();
+            all = order.sight() == nullptr;
+            QTest::qSleep(150);  // it is told some times a second at most
+            const WorldBounds& bounds = document->bounds();
+            const glm::dvec3 origin(bounds.min.x, bounds.min.y, 0);
+            render::Camera camera = view.camera();
+            camera.setView("top");
+            camera.orthographic = true;
+            const WorldBounds box = boxOf(2);
+            camera.fit({box.min + origin, box.max + origin}, {800, 800});
+            view.setCamera(camera);
+            after = order.looks();
+            const auto sight = order.sight();
+            for (int k = 0; sight && k < 4; ++k) {
+                const WorldBounds tile = boxOf(k);
+                seen.push_back((*sight)({tile.min + origin, tile.max + origin}) > 0);
+            }
+        });
+        QVERIFY(bench.openAll());
+        QVERIFY(before > 0 && all);
+        QVERIFY(after > before);
+        QCOMPARE(seen.size(), std::size_t(4));
+        QVERIFY(seen[2] && !seen[0]);
+    }
     /// What is dropped together is one document, and what is dropped next is another beside it.
     void droppedTogetherTheyAreOne()
     {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ui/view/ShownCount.h"
 
+#include "core/session/Session.h"
 #include "core/task/Progress.h"
 #include "render/progressive/ProgressiveRenderer.h"
 #include "ui/basic/Text.h"
@@ -141,9 +142,16 @@ QString ShownCount::progressText(const render::FrameReport& report) const
 {
     if (!report.converged) return tr("%1 % drawn").arg(int(std::floor(report.share * 100.0)));
     const auto& documents = m_workspace.documents();
-    if (std::any_of(documents.begin(), documents.end(), [](const auto& d) { return d->loading(); }))
+    const auto loading = [](const auto& d) { return d->loading(); };
+    const auto sightRead = [](const auto& d) { return !d->loading() || d->session()->readingOrder()->sightRead(); };
+    if (std::any_of(documents.begin(), documents.end(), loading)) {
+        if (report.current && std::all_of(documents.begin(), documents.end(), sightRead))
+            return report.partly
+                       ? tr("All in sight is read, and drawn as finely as this view can show; the rest follows")
+                       : tr("All in sight is read and drawn; the rest follows");
         return report.partly ? tr("Points read so far are drawn, as finely as this view can show")
                              : tr("All points read so far are drawn");
+    }
     if (report.partly) return tr("Drawn as finely as this view can show: %1 points").arg(countText(report.asked));
     if (!m_state.some()) return tr("All points drawn");
     if (!m_state.known) return tr("All shown points drawn");

@@ -119,9 +119,14 @@ void Viewport::applyCamera(const render::Camera& camera)
 
 void Viewport::setCamera(const render::Camera& camera, bool animated)
 {
+    m_fitted = false;
+    moveTo(camera, animated);
+}
+
+void Viewport::moveTo(const render::Camera& camera, bool animated)
+{
     m_flight->stop();
     m_navigator->forgetTarget();
-    m_fitted = false;
     if (!animated || !isVisible()) {
         applyCamera(camera);
         return;
@@ -181,8 +186,8 @@ void Viewport::fitTo(const WorldBounds& bounds, bool animated)
     render::Camera camera = m_camera;
     camera.stretch = m_stretch;
     camera.fit(bounds, {size.width(), size.height()});
-    setCamera(camera, animated);
     m_fitted = true;
+    moveTo(camera, animated);
 }
 
 const render::Camera& Viewport::heading() const
@@ -242,8 +247,8 @@ void Viewport::setStandardView(const QString& name)
     camera.stretch = m_stretch;
     camera.fit(m_fitBounds, {size.width(), size.height()});
     ++m_userMoves;
-    setCamera(camera, true);
     m_fitted = true;
+    moveTo(camera, true);
 }
 
 // -- mouse and keys

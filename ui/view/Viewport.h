@@ -138,6 +138,7 @@ private:
     /// Unit of what the camera sees; empty: unknown.
     QString viewUnit() const;
     void applyCamera(const render::Camera& camera);
+    void moveTo(const render::Camera& camera, bool animated);
     /// Where it is, or flies to.
     const render::Camera& heading() const;
     /// Looks from a standard view's direction; false for a name that is none.

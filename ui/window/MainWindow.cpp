@@ -37,6 +37,7 @@
 #include "ui/view/ClipFrame.h"
 #include "ui/view/Framing.h"
 #include "ui/view/MessageArea.h"
+#include "ui/view/ReadingSight.h"
 #include "ui/view/ShownCount.h"
 #include "ui/view/ShownPill.h"
 #include "ui/view/ViewFilter.h"
@@ -106,6 +107,7 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     m_undoOrder = new UndoOrder(*m_workspace, *m_selection, this);
     m_shown = new ShownCount(*m_workspace, *m_view, *m_filter, this);
     m_viewScope = new ViewScope(*m_workspace, *m_view, *m_filter, this);
+    new ReadingSight(*m_workspace, *m_viewport, *m_view, this);
     m_shownPill = new ShownPill(*m_viewport, *m_viewScope);
     m_selectTools = new SelectTools(*m_viewport, *m_selection, this);
     m_measurements = new Measurements(*m_workspace, this);
@@ -263,6 +265,7 @@ void MainWindow::connectParts()
     });
     connect(&m_jobs->model(), &JobsModel::ticked, this, [this] {
         m_viewport->updateTitle();
+        showViewState();
         m_processing->updateProgress();
     });
 
