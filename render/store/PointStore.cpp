@@ -261,13 +261,24 @@ std::uint32_t PointStore::windowsOfGrowing(std::uint64_t inWindow) const noexcep
 
 void PointStore::withdraw(PointRange range)
 {
+    // Of a file that could not be read at all, nothing is looked for: it may have more than memory holds.
+    std::vector<PointRange> taken;
+    {
+        const std::lock_guard lock(m_arrivalMutex);
+        for (const Arrival& arrival : m_arrived) {
+            const PointRange common{std::max(range.first, arrival.range.first),
+                                    std::min(range.last, arrival.range.last)};
+            if (common.first < common.last) taken.push_back(common);
+        }
+    }
     auto* const positions = reinterpret_cast<LocalPosition*>(m_slots.positions.data());
     PointIndex gone = 0;
-    for (PointIndex i = range.first; i < range.last; ++i) {
-        LocalPosition& position = positions[m_order.slotOf(i)];
-        gone += PointIndex(position.x != 0);
-        position = {};
-    }
+    for (const PointRange& part : taken)
+        for (PointIndex i = part.first; i < part.last; ++i) {
+            LocalPosition& position = positions[m_order.slotOf(i)];
+            gone += PointIndex(position.x != 0);
+            position = {};
+        }
     if (gone == 0) return;
     m_filled.fetch_sub(gone, std::memory_order_release);
     bumpVersions(range, true);
