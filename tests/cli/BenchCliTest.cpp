@@ -64,7 +64,7 @@ private slots:
         QCOMPARE(figures["points"].toInt(), 400'000);
         for (const char* when : {"cold", "again"})
             for (const char* key : {"headers_ms", "first_picture_ms", "overview_ms", "complete_ms", "points_drawn",
-                                    "street_ms", "peak_rss_mb"})
+                                    "street_ms", "street_from", "street_read_ms", "peak_rss_mb"})
                 QVERIFY2(isFigure(figures[when][key], 1e-6), key);
     }
 
