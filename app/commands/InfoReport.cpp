@@ -221,6 +221,18 @@ std::string densityText(const FileInfo& info)
     return text + ", spacing " + estimateText(d.spacing) + (d.unit.empty() ? " units" : " " + d.unit);
 }
 
+/// "9 nodes on 2 levels, spacing 0.03867 m on the first"
+std::string copcText(const FileInfo& info)
+{
+    const las::CopcIndex& octree = *info.source().copc;
+    const std::uint64_t nodes = octree.chunks;
+    const std::int32_t levels = octree.levels();
+    const std::string& unit = info.source().units.horizontal;
+    return grouped(nodes) + (nodes == 1 ? " node on " : " nodes on ") + std::to_string(levels) +
+           (levels == 1 ? " level" : " levels") + ", spacing " + estimateText(octree.spacing) +
+           (unit.empty() ? "" : " " + unit) + " on the first";
+}
+
 void addHead(std::ostringstream& out, const FileInfo& info)
 {
     const las::SourceFile& source = info.source();
@@ -233,6 +245,7 @@ void addHead(std::ostringstream& out, const FileInfo& info)
              (source.layout.compatible ? " (stored as " + std::to_string(source.layout.format) + ")" : "") + ", " +
              std::to_string(header.recordLength()) + " bytes a point" +
              (source.compressed ? ", compressed (LAZ)" : "")});
+    if (source.copc) head.push_back({"COPC", copcText(info)});
     head.push_back({"File size", grouped(source.fileSize) + " bytes"});
     head.push_back({"CRS", source.crs.empty() ? "none given" : firstLine(source.crs)});
     head.push_back({"Units", las::unitsText(source.units)});
@@ -359,6 +372,16 @@ std::string findingsText(const std::vector<las::Finding>& findings)
     return text;
 }
 
+/// The octree of a COPC file.
+Json copcJson(const las::SourceFile& source)
+{
+    if (!source.copc) return nullptr;
+    const las::CopcIndex& octree = *source.copc;
+    return {
+        {"nodes", octree.chunks},    {"levels", octree.levels()},       {"points_by_level", octree.pointsByLevel()},
+        {"spacing", octree.spacing}, {"center", jsonOf(octree.center)}, {"half_size", octree.halfSize}};
+}
+
 Json unitsJson(const CoordinateUnits& units)
 {
     constexpr const char* kKinds[] = {"unknown", "lengths", "degrees", "geocentric"};
@@ -386,6 +409,7 @@ Json jsonOf(const FileInfo& info)
             {"point_format", source.layout.shownFormat()},
             {"record_length", header.recordLength()},
             {"compressed", source.compressed},
+            {"copc", copcJson(source)},
             {"scale", jsonOf(info.cloud->coordinates().scale)},
             {"offset", jsonOf(info.cloud->coordinates().offset)},
             {"min", empty ? Json(nullptr) : jsonOf(info.bounds.min)},

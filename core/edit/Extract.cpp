@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/edit/Extract.h"
 
+#include "core/cloud/KeptPoints.h"
 #include "core/cloud/Slabs.h"
 #include "core/las/SourceFile.h"
 #include "core/task/LockedLoop.h"
@@ -17,7 +18,7 @@ namespace
 {
 
 /// The source of a cloud of other points: what is noted there on saving is not the whole's.
-std::shared_ptr<const las::SourceFile> forPart(const las::SourceFile& whole)
+std::shared_ptr<const las::SourceFile> forPart(const las::SourceFile& whole, const PointSet& points)
 {
     auto source = std::make_shared<las::SourceFile>(whole);
     source->asRead = std::make_shared<las::Guarded<las::PointsAsRead>>();
@@ -26,6 +27,11 @@ std::shared_ptr<const las::SourceFile> forPart(const las::SourceFile& whole)
     las::PointsAsRead read = whole.asRead->get();
     read.missing.clear();  // places in the whole
     source->asRead->set(std::move(read));
+    if (whole.copc) {
+        PointSet others = points;
+        others.invert();
+        source->copc = whole.copc->of(KeptPoints::all(points.size()).without(others));
+    }
     return source;
 }
 
@@ -65,7 +71,7 @@ std::shared_ptr<PointCloud> extracted(const PointCloud& cloud, const PointSet& w
         part->addAttribute(std::move(attribute));
     }
     part->setUnits(cloud.units());
-    if (cloud.source()) part->setSource(forPart(*cloud.source()));
+    if (cloud.source()) part->setSource(forPart(*cloud.source(), points));
     return part;
 }
 

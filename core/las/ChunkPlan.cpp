@@ -5,6 +5,7 @@
 #include "core/las/SourceParser.h"
 
 #include <algorithm>
+#include <map>
 
 namespace punctum::las
 {
@@ -55,6 +56,31 @@ std::uint32_t commonSize(const std::vector<PlannedChunk>& chunks, std::uint32_t 
     return even && chunks.back().points.size() <= size ? std::uint32_t(size) : kVariableChunks;
 }
 
+/// The file that holds the cloud at present, where chunks of it can be copied. Never throws.
+std::optional<ParsedFile> parseCurrent(const CurrentFile& place, const LazInfo& standard)
+{
+    if (place.path.empty() || FileStamp::of(place.path) != place.stamp) return {};
+    try {
+        const File file(place.path);
+        if (file.stamp() != place.stamp) return {};
+        ParsedFile parsed = parseFile(file);
+        const SourceFile& s = *parsed.source;
+        if (s.compressed && parsed.laz.compressor == standard.compressor && s.layout.format == standard.format &&
+            s.layout.length == standard.recordLength)
+            return parsed;
+    } catch (const Error&) {  // nothing is lost: every chunk is compressed anew
+    }
+    return {};
+}
+
+void setOrigin(const CurrentFile& place, LazInfo&& laz, const LazInfo& standard, ChunkPlan& plan)
+{
+    plan.originPath = place.path;
+    plan.originStamp = place.stamp;
+    plan.laz = std::move(laz);
+    plan.allOrNone = plan.laz.items != standard.items;
+}
+
 }  // namespace
 
 std::shared_ptr<const File> ChunkPlan::openOrigin() const
@@ -84,36 +110,52 @@ ChunkPlan planChunks(const SourceFile& source, const LazInfo& standard, const Ke
     };
 
     const CurrentFile place = source.current->get();
-    if (place.path.empty() || FileStamp::of(place.path) != place.stamp) return regular();
-    ParsedFile parsed;
-    try {
-        const File file(place.path);
-        if (file.stamp() != place.stamp) return regular();
-        parsed = parseFile(file);
-    } catch (const Error&) {
-        return regular();  // nothing is lost: every chunk is compressed anew
-    }
-    const SourceFile& s = *parsed.source;
-    if (!s.compressed || parsed.laz.compressor != standard.compressor || s.layout.format != standard.format ||
-        s.layout.length != standard.recordLength || s.findVlr("copc", 1) != nullptr ||
-        s.pointCount != (place.kept ? place.kept->count() : source.pointCount))
+    std::optional<ParsedFile> parsed = parseCurrent(place, standard);
+    // chunks of an octree differ in size, as those of a file without one should not
+    if (!parsed || parsed->source->copc != nullptr ||
+        parsed->source->pointCount != (place.kept ? place.kept->count() : source.pointCount))
         return regular();
-    const KeptPoints held = place.kept ? *place.kept : KeptPoints::all(s.pointCount);
+    const KeptPoints held = place.kept ? *place.kept : KeptPoints::all(parsed->source->pointCount);
 
     std::vector<PlannedChunk> planned;
-    for (const Chunk& chunk : parsed.chunks) {
+    for (const Chunk& chunk : parsed->chunks) {
         if (chunk.count > kMostInChunk) return regular();
         const PointRange range{chunk.first, chunk.first + chunk.count};
         const auto written = sameRange(range, held, kept);
         if (written && !chunk.cut) planned.push_back({*written, chunk});
     }
-    plan.chunks =
-        withoutGaps(planned, kept.count(), std::uint32_t(std::min<std::uint64_t>(parsed.laz.chunkSize, chunkSize)));
-    plan.chunkSize = commonSize(plan.chunks, parsed.laz.chunkSize);
-    plan.originPath = place.path;
-    plan.originStamp = place.stamp;
-    plan.laz = std::move(parsed.laz);
-    plan.allOrNone = plan.laz.items != standard.items;
+    plan.chunks = withoutGaps(planned, kept.count(),
+                              std::uint32_t(std::min<std::uint64_t>(parsed->laz.chunkSize, chunkSize)));
+    plan.chunkSize = commonSize(plan.chunks, parsed->laz.chunkSize);
+    setOrigin(place, std::move(parsed->laz), standard, plan);
+    return plan;
+}
+
+ChunkPlan planNodeChunks(const SourceFile& source, const LazInfo& standard, const KeptPoints& kept)
+{
+    ChunkPlan plan;
+    plan.chunkSize = kVariableChunks;
+    for (std::size_t k = 0; k < source.copc->nodes.size(); ++k) {
+        const PointRange& points = source.copc->nodes[k].points;
+        if (points.empty()) continue;
+        const PointRange written{kept.placeOf(points.first), kept.placeOf(points.last)};
+        if (written.empty()) continue;
+        plan.chunks.push_back({written, {}});
+        plan.nodes.push_back(k);
+    }
+    const CurrentFile place = source.current->get();
+    std::optional<ParsedFile> parsed = parseCurrent(place, standard);
+    if (!parsed || parsed->source->copc == nullptr) return plan;
+    const CopcIndex& there = *parsed->source->copc;
+    std::map<CopcKey, std::size_t> chunkOf;
+    for (std::size_t k = 0; k < there.chunks; ++k) chunkOf[there.nodes[k].key] = k;
+    for (std::size_t k = 0; k < plan.chunks.size(); ++k) {
+        const auto found = chunkOf.find(source.copc->nodes[plan.nodes[k]].key);
+        if (found == chunkOf.end()) continue;
+        const Chunk& chunk = parsed->chunks[found->second];
+        if (chunk.count == plan.chunks[k].points.size()) plan.chunks[k].origin = chunk;
+    }
+    setOrigin(place, std::move(parsed->laz), standard, plan);
     return plan;
 }
 

@@ -28,6 +28,9 @@ struct ChunkPlan {
     /// version, so that either all are copied or none.
     bool allOrNone = false;
 
+    /// Of a COPC file: the node of its index that each chunk holds the points of.
+    std::vector<std::size_t> nodes;
+
     bool copies() const noexcept { return !originPath.empty(); }
     /// Null when there is none, or it is no longer that file: then all chunks are compressed anew. Never throws.
     std::shared_ptr<const File> openOrigin() const;
@@ -42,5 +45,8 @@ std::vector<PlannedChunk> regularChunks(PointIndex points, std::uint32_t chunkSi
 /// The file is looked at, its points are not read. Never throws: a file that cannot be used is no origin.
 ChunkPlan planChunks(const SourceFile& source, const LazInfo& standard, const KeptPoints& kept,
                      std::uint32_t chunkSize);
+/// Likewise by the nodes of the source's octree (CopcIndex), a chunk for each that still has points. Those are
+/// copied of which the file at present has a node with as many points.
+ChunkPlan planNodeChunks(const SourceFile& source, const LazInfo& standard, const KeptPoints& kept);
 
 }  // namespace punctum::las

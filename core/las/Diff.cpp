@@ -5,6 +5,7 @@
 #include "core/cloud/Buffer.h"
 #include "core/las/Alignment.h"
 #include "core/las/Compatible.h"
+#include "core/las/CopcPlan.h"
 #include "core/las/File.h"
 #include "core/las/Reader.h"
 #include "core/las/RecordComparer.h"
@@ -313,6 +314,7 @@ SourceFile plannedSource(WritePlan& plan, const CoordinateScale& coordinates)
     s.tail = plan.tail;
     s.waveformEvlr = plan.waveformEvlr;
     s.compressed = plan.compressed;
+    s.copc = plannedCopc(plan);
     s.coordinates = coordinates;
     s.pointCount = plan.maker->points();
     std::vector<std::string> ignored;

@@ -66,6 +66,29 @@ void GpsRange::include(const GpsRange& other) noexcept
     include(other.max);
 }
 
+void TimeExtent::include(std::span<const double> times) noexcept
+{
+    for (const double t : times) {
+        if (t < min) min = t;
+        if (t > max) max = t;
+    }
+}
+
+void TimeExtent::include(const TimeExtent& other) noexcept
+{
+    min = std::min(min, other.min);
+    max = std::max(max, other.max);
+}
+
+TimeExtent timeExtent(const PointCloud& cloud, const std::vector<PointRange>& points, Progress& progress)
+{
+    const auto times = findColumn(cloud, "GpsTime");
+    if (times == nullptr || times->type() != ScalarType::F64 || times->components() != 1) return {};
+    return reducePoints<TimeExtent>(points, progress, [&](TimeExtent& all, PointRange r) {
+        all.include({timesOf(*times) + r.first, std::size_t(r.size())});
+    });
+}
+
 GpsRange gpsRange(const PointCloud& cloud, const std::vector<PointRange>& points, Progress& progress)
 {
     const auto times = findColumn(cloud, "GpsTime");

@@ -3,7 +3,9 @@
 
 #include "core/cloud/PointCloud.h"
 
+#include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,6 +40,20 @@ struct GpsRange {
     void include(const GpsRange& other) noexcept;
     friend bool operator==(const GpsRange&, const GpsRange&) = default;
 };
+
+/// Lowest and highest GPS time, 0 among them ("Minimum of GPSTime", COPC 1.0, "info VLR").
+struct TimeExtent {
+    double min = std::numeric_limits<double>::infinity();
+    double max = -std::numeric_limits<double>::infinity();
+
+    bool empty() const noexcept { return min > max; }
+    void include(std::span<const double> times) noexcept;  ///< NaN does not count
+    void include(const TimeExtent& other) noexcept;
+    friend bool operator==(const TimeExtent&, const TimeExtent&) = default;
+};
+
+/// Of the points in `points`. Throws Cancelled.
+TimeExtent timeExtent(const PointCloud& cloud, const std::vector<PointRange>& points, Progress& progress);
 
 /// Of the points in `points`; empty for clouds without GPS times. Throws Cancelled.
 GpsRange gpsRange(const PointCloud& cloud, const std::vector<PointRange>& points, Progress& progress);

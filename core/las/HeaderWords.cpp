@@ -54,8 +54,8 @@ constexpr Known kKnown[] = {
     {"LAStools", 10, "Tile of LAStools"},
     {"LAStools", 30, "Index of LAStools"},
     {"copc", 1, "COPC: how the octree lies"},
-    {"copc", 10000, "COPC: hierarchy"},
-    {"copc", 1000, "COPC: hierarchy"},
+    {"copc", 10000, "COPC: extents of a draft"},
+    {"copc", 1000, "COPC: the nodes of the octree"},
 };
 
 constexpr std::uint16_t kFirstWaveform = 100, kLastWaveform = 355;  ///< LASF_Spec: descriptors of wave packets

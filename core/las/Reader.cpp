@@ -9,6 +9,7 @@
 #include "core/las/Compatible.h"
 #include "core/las/ExtraBytesRange.h"
 #include "core/las/File.h"
+#include "core/las/FormatNeeds.h"
 #include "core/las/Leftovers.h"
 #include "core/las/Parallel.h"
 #include "core/las/RecordBlocks.h"
@@ -228,6 +229,7 @@ PointRange Reader::Impl::pointsOf(std::size_t piece) const
 std::vector<std::uint32_t> Reader::Impl::order(bool firsts) const
 {
     const std::size_t count = pieces(), row = firsts && parsed.source->compressed ? kRowOfChunks : 1;
+    if (parsed.source->copc) return parsed.source->copc->chunksByLevel();
     std::vector<std::uint32_t> order;
     order.reserve(count);
     for (const std::uint32_t first : spreadOrder(std::uint32_t((count + row - 1) / row)))
@@ -476,6 +478,7 @@ void leaveColumns(const PointCloud& cloud, const RecordLayout& layout, PointRang
 struct Seen {
     RawBounds bounds;
     std::array<std::uint64_t, 16> byReturn{};
+    TimeExtent times;
 
     void include(const RawBounds& part, const std::uint8_t* returns, std::size_t n, std::uint8_t mask)
     {
@@ -505,13 +508,16 @@ std::vector<PointRange> Reader::readFirsts(PointCloud& cloud, const Pieces& piec
     const auto count = std::uint32_t(std::min<std::uint64_t>({there, pieces.count, UINT32_MAX}));
     const Deinterleaver deinterleave(m_source->layout);
     const std::vector<std::uint32_t> order = spreadOrder(count);
+    // the coarse nodes of an octree are the picture of the whole
+    const auto byLevel = m_source->copc ? m_source->copc->chunksByLevel() : std::vector<std::uint32_t>();
     std::vector<PointRange> found(count);
     const std::size_t first = std::min<std::size_t>(pieces.first, count);
     const std::size_t last = std::clamp<std::size_t>(pieces.last, first, count);
     forEachInOrder<Impl::ChunkWorker>(last - first, [&](Impl::ChunkWorker& worker, std::size_t k) {
         progress.check();
         const std::size_t turn = first + k;
-        const std::uint64_t piece = std::uint64_t(order[turn]) * there / count;
+        const std::uint64_t piece =
+            byLevel.empty() ? std::uint64_t(order[turn]) * there / count : std::uint64_t(byLevel[turn]);
         const PointRange range = m_impl->readPiece(piece, points, worker);
         if (range.empty()) return;
         putRecords(cloud, m_source->layout, deinterleave, range, worker.records);
@@ -520,6 +526,7 @@ std::vector<PointRange> Reader::readFirsts(PointCloud& cloud, const Pieces& piec
         Residency::instance().keepUp(cloud.columns().size() * kTouchedPage);
     });
     std::erase_if(found, [](const PointRange& range) { return range.empty(); });
+    std::sort(found.begin(), found.end(), [](PointRange a, PointRange b) { return a.first < b.first; });
     return found;
 }
 
@@ -559,6 +566,7 @@ struct Reader::Reading::Impl {
     tbb::enumerable_thread_specific<Seen> seen{};
     // A cloud that keeps no boxes of its own, such as a part of a larger one, has bounds all the same.
     std::optional<BlockBoxes> passing{};
+    std::shared_ptr<const Column> times{};  ///< where their range is noted
     Receiver receiver{};
     Shared shared{progress, receiver, {}, {}};
 
@@ -572,6 +580,7 @@ struct Reader::Reading::Impl {
     {
         const auto* returns = reinterpret_cast<const std::uint8_t*>(cloud.columns()[returnsField]->data());
         seen.local().include(include(range), returns + range.first, std::size_t(range.size()), returnMask);
+        if (times) seen.local().times.include(times->values<double>().subspan(range.first, range.size()));
         if (sink) sink(range);
         leaveColumns(cloud, reader.source()->layout, range);
         Residency::instance().keepUp(range.size() * reader.source()->layout.length);
@@ -596,6 +605,7 @@ Reader::Reading::Reading(const Reader& reader, PointCloud& cloud, Progress& prog
                           std::uint8_t(isExtendedFormat(source.layout.shownFormat()) ? 15 : 7)});
     if (cloud.arriving() == nullptr) m_impl->passing.emplace(cloud.size());
     Impl& impl = *m_impl;
+    if (source.copc) impl.times = findColumn(cloud, "GpsTime");
     impl.receiver.known = firsts;
     impl.receiver.records = [&impl](PointRange range, std::span<const std::byte> records) {
         putRecords(impl.cloud, impl.reader.source()->layout, impl.deinterleave, range, records);
@@ -625,6 +635,7 @@ ReadResult Reader::Reading::finish()
     for (const Seen& s : m_impl->seen) {
         summary.bounds.include(s.bounds);
         for (std::size_t k = 0; k < 16; ++k) summary.byReturn[k] += s.byReturn[k];
+        summary.times.include(s.times);
     }
     summary.complete = true;
     summary.missing = result.missing;

@@ -3,6 +3,7 @@
 
 #include "core/Error.h"
 #include "core/Text.h"
+#include "core/las/CopcPlan.h"
 #include "core/las/ExtraBytesRange.h"
 
 #include <algorithm>
@@ -90,7 +91,9 @@ void planCompression(const PlannedPoints& points, const RecordLayout& layout, co
     std::optional<LazInfo> own;
     if (found != plan.vlrs.rend()) own = fitting(*found, layout, plan);
     const bool ownSize = own && !own->variable() && own->chunkSize <= kDefaultChunkSize;
-    plan.chunks = planChunks(*points.source, laz, points.kept, ownSize ? own->chunkSize : kDefaultChunkSize);
+    plan.chunks = plan.copc
+                      ? planNodeChunks(*points.source, laz, points.kept)
+                      : planChunks(*points.source, laz, points.kept, ownSize ? own->chunkSize : kDefaultChunkSize);
     if (!options.copyChunks) {
         plan.chunks.originPath.clear();
         plan.chunks.allOrNone = false;
@@ -156,11 +159,7 @@ void planRecords(const PointCloud& cloud, const PlannedPoints& points, const For
         say("Renamed: ", extra.renamed);
         say("No longer in the file: ", extra.gone);
     }
-    if (plan.dropRecords([](const Vlr& v) {
-            return v.user() == "copc" && (v.recordId == 1 || v.recordId == 1000 || v.recordId == 10000);
-        }) != 0)
-        plan.note("The spatial index of the COPC file is left out: it becomes an ordinary " +
-                  std::string(options.compressed ? "LAZ" : "LAS") + " file.");
+    planCopc(cloud, points, format, options, progress, plan);
     // In a file that stays compressed, the index in an EVLR is right while the points are where they were: what
     // is written tells (WritePlan::setCompression).
     const bool stays = options.compressed && format.minor >= 4;

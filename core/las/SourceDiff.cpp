@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/las/SourceDiff.h"
 
+#include "core/Text.h"
 #include "core/las/ChunkCodec.h"
 #include "core/las/ExtraBytes.h"
 #include "core/las/SourceFile.h"
@@ -95,13 +96,24 @@ struct Listed {
     bool matched = false;
 };
 
-std::vector<Listed> listed(const SourceFile& s)
+/// Without the record on compression, and of an octree that both files have without the record of its nodes, which
+/// the container is compared by.
+std::vector<Listed> listed(const SourceFile& s, bool octrees)
 {
     std::vector<Listed> list;
     for (const auto* records : {&s.vlrs, &s.evlrs})
         for (const Vlr& vlr : *records)
-            if (!isLaszip(vlr)) list.push_back({&vlr});
+            if (!isLaszip(vlr) && !(octrees && isCopcHierarchy(vlr))) list.push_back({&vlr});
     return list;
+}
+
+/// The data of a record, but for places in the file.
+std::vector<std::byte> contentOf(const Vlr& vlr)
+{
+    std::vector<std::byte> data = vlr.data;
+    if (vlr.is(kCopcUser, kCopcInfoId) && data.size() == copc::kInfoBytes)
+        std::fill_n(data.begin() + copc::kRootOffsetAt, copc::kFirstTimeAt - copc::kRootOffsetAt, std::byte(0));
+    return data;
 }
 
 RecordDifference changeOf(const Vlr& a, const Vlr& b)
@@ -114,8 +126,9 @@ RecordDifference changeOf(const Vlr& a, const Vlr& b)
     r.extendedA = a.extended;
     r.extendedB = b.extended;
     r.frameDiffers = a.reserved != b.reserved || a.userId != b.userId || a.description != b.description;
-    const auto at = std::mismatch(a.data.begin(), a.data.end(), b.data.begin(), b.data.end()).first;
-    if (at != a.data.end() || a.data.size() != b.data.size()) r.firstDataByte = std::uint64_t(at - a.data.begin());
+    const std::vector<std::byte> x = contentOf(a), y = contentOf(b);
+    const auto at = std::mismatch(x.begin(), x.end(), y.begin(), y.end()).first;
+    if (at != x.end() || x.size() != y.size()) r.firstDataByte = std::uint64_t(at - x.begin());
     return r;
 }
 
@@ -134,7 +147,8 @@ RecordDifference only(const Vlr& vlr, RecordDifference::Change change)
 /// one that goes from among several of its kind does not make the others look changed.
 void compareRecords(const SourceFile& a, const SourceFile& b, Difference& d)
 {
-    std::vector<Listed> as = listed(a), bs = listed(b);
+    const bool octrees = a.copc && b.copc;
+    std::vector<Listed> as = listed(a, octrees), bs = listed(b, octrees);
     std::vector<std::size_t> partner(as.size(), bs.size());
     const auto match = [&](auto&& fit) {
         for (std::size_t i = 0; i < as.size(); ++i) {
@@ -149,7 +163,7 @@ void compareRecords(const SourceFile& a, const SourceFile& b, Difference& d)
     };
     const auto kin = [](const Vlr& x, const Vlr& y) { return x.recordId == y.recordId && x.user() == y.user(); };
     match([&](const Vlr& x, const Vlr& y) {
-        return kin(x, y) && x.extended == y.extended && x.data == y.data && x.userId == y.userId &&
+        return kin(x, y) && x.extended == y.extended && contentOf(x) == contentOf(y) && x.userId == y.userId &&
                x.reserved == y.reserved && x.description == y.description;
     });
     match(kin);
@@ -252,6 +266,14 @@ void compareContainers(const SourceFile& a, const SourceFile& b, Difference& d)
     if (const auto x = recordsAnnounced(a), y = recordsAnnounced(b); x != y)
         d.header.push_back({"vlr_count", kRecordNumbers, x, y});
 
+    if (a.copc && b.copc && !sameNodes(*a.copc, *b.copc)) {
+        const auto nodes = [](const SourceFile& s) {
+            const auto filled = std::count_if(s.copc->nodes.begin(), s.copc->nodes.end(),
+                                              [](const CopcNode& node) { return !node.points.empty(); });
+            return grouped(std::uint64_t(filled)) + " nodes, " + grouped(s.pointCount) + " points";
+        };
+        d.container.push_back({"octree", "container", nodes(a), nodes(b)});
+    }
     const Vlr *x = a.findVlr(kLaszipUser, kLaszipRecordId), *y = b.findVlr(kLaszipUser, kLaszipRecordId);
     const auto told = [](const Vlr* vlr) -> ToldValue {
         if (vlr == nullptr) return std::monostate{};

@@ -4,6 +4,7 @@
 #include "core/cloud/Column.h"
 #include "core/cloud/KeptPoints.h"
 #include "core/cloud/PointCloud.h"
+#include "core/las/Copc.h"
 #include "core/las/ExtraBytes.h"
 #include "core/las/File.h"
 #include "core/las/GpsTime.h"
@@ -76,6 +77,7 @@ struct PointsAsRead {
     std::vector<PointRange> missing;           ///< damaged: their values are 0 and mean nothing
     std::vector<ExtraBytesRange> extra;        ///< see extraBytesRanges
     GpsRange gps;                              ///< of files whose header has one: LAS 1.5
+    TimeExtent times;                          ///< of COPC files
 };
 
 /// The points of a cloud without those that are missing, as ranges.
@@ -106,13 +108,15 @@ struct SourceFile {
     std::vector<std::byte> tail;             ///< bytes after the last EVLR (or after the points if there is none)
 
     bool compressed = false;
-    PointIndex pointCount = 0;    ///< points that can be read: the data decides, not the header
-    RecordLayout layout;          ///< record <-> columns
-    CoordinateScale coordinates;  ///< scale 1, offset 0 where the header's are unusable (then warned of)
-    WorldBounds firstBounds;      ///< a first idea of the extent, from header and sampled records
-    RawBounds sampledBounds;      ///< of the sampled records
-    CoordinateUnits units;        ///< of the coordinates, as the coordinate system says
-    std::string crs;              ///< WKT or a line on the GeoTIFF keys; empty when there is none
+    PointIndex pointCount = 0;              ///< points that can be read: the data decides, not the header
+    RecordLayout layout;                    ///< record <-> columns
+    CoordinateScale coordinates;            ///< scale 1, offset 0 where the header's are unusable (then warned of)
+    WorldBounds firstBounds;                ///< a first idea of the extent, from header and sampled records
+    RawBounds sampledBounds;                ///< of the sampled records
+    CoordinateUnits units;                  ///< of the coordinates, as the coordinate system says
+    std::shared_ptr<const CopcIndex> copc;  ///< of a COPC file whose octree belongs to its points; else null
+    std::string copcTrouble;                ///< why a COPC file has none: the end of a sentence
+    std::string crs;                        ///< WKT or a line on the GeoTIFF keys; empty when there is none
 
     std::vector<std::string> warnings;  ///< one sentence each, for the user
     std::vector<std::string> losses;    ///< those of the warnings that tell of what is missing or damaged

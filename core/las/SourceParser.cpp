@@ -58,6 +58,7 @@ public:
         m_s.layout =
             makeLayout(m_s.header.pointFormat(), m_s.header.recordLength(), records, m_s.coordinates, m_s.warnings);
         useCompatibility(m_s, m_s.layout, m_s.warnings);
+        readOctree();
         sample();
         describe();
         m_parsed.source = m_source;
@@ -369,10 +370,19 @@ private:
                 break;
             }
             if (offset == waveform) m_s.waveformEvlr = m_s.evlrs.size();
+            if (m_hierarchyAt == 0 && isCopcHierarchy(vlr)) m_hierarchyAt = offset + Vlr::kExtendedHeaderSize;
             offset += vlr.bytesInFile();
             m_s.evlrs.push_back(std::move(vlr));
         }
         m_s.tail = bytes(offset, m_file.size());
+    }
+
+    void readOctree()
+    {
+        m_s.copc = readCopc(m_s, m_hierarchyAt, m_parsed.laz, m_parsed.chunks, m_s.copcTrouble);
+        if (!m_s.copcTrouble.empty())
+            warn("The spatial index of the COPC file does not belong to its points and is not used: " +
+                 m_s.copcTrouble + ".");
     }
 
     void describe()
@@ -473,6 +483,7 @@ private:
     SourceFile& m_s;
     ParsedFile m_parsed;
     std::size_t m_samples = 0;
+    std::uint64_t m_hierarchyAt = 0;  ///< data of the first such record of COPC; 0: there is none
 };
 
 }  // namespace

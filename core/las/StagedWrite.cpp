@@ -86,7 +86,7 @@ WriteReport StagedWrite::State::finish(const FileStamp& stamp, std::vector<std::
     for (std::string& sentence : leftovers) notes.push_back(std::move(sentence));
     notes.insert(notes.end(), file->notes().begin(), file->notes().end());
     if (!pristine) setIndexAside(*file, notes);
-    if (isCopcName(path))
+    if (isCopcName(path) && !copc)
         notes.emplace_back(
             "The name ends in .copc.laz, but the file is an ordinary LAZ file; give it another name.");
     if (source != nullptr) source->current->set({file->target(), stamp, true, pristine, kept});

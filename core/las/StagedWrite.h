@@ -21,6 +21,7 @@ struct StagedWrite::State {
     std::shared_ptr<const SourceFile> source;
     std::shared_ptr<const KeptPoints> kept;  ///< points of the cloud that are in the file; null: all
     bool pristine = false;                   ///< see CurrentFile
+    bool copc = false;                       ///< it is a COPC file
     WriteReport report;                      ///< complete but for what the last step notes
 
     /// After the rename: notes it down in the source, sets an index of before aside, and completes the report.

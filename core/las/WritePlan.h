@@ -24,12 +24,13 @@ namespace punctum::las
 struct WritePlan {
     std::shared_ptr<const RecordMaker> maker;
     bool compressed = false;
-    LazInfo laz;                       ///< when compressed: what LASzip writes for these records
-    ChunkPlan chunks;                  ///< when compressed
-    std::vector<std::byte> prefix;     ///< header, VLRs, gap: the file up to the points
-    std::vector<Vlr> vlrs;             ///< those in `prefix`
-    std::size_t laszipAt = 0;          ///< of the laszip record's payload in the prefix
-    std::vector<std::byte> userBytes;  ///< of the header, where the version allows none: before the gap
+    LazInfo laz;                            ///< when compressed: what LASzip writes for these records
+    ChunkPlan chunks;                       ///< when compressed
+    std::shared_ptr<const CopcIndex> copc;  ///< the octree that the file has, as it was read; null: none
+    std::vector<std::byte> prefix;          ///< header, VLRs, gap: the file up to the points
+    std::vector<Vlr> vlrs;                  ///< those in `prefix`
+    std::size_t laszipAt = 0;               ///< of the laszip record's payload in the prefix
+    std::vector<std::byte> userBytes;       ///< of the header, where the version allows none: before the gap
     std::vector<std::byte> gapAfterPoints;
     std::vector<Vlr> evlrs;
     std::vector<std::byte> tail;

@@ -5,6 +5,7 @@
 #include "core/las/AtomicFile.h"
 #include "core/las/ChunkWriter.h"
 #include "core/las/Compatible.h"
+#include "core/las/CopcPlan.h"
 #include "core/las/Parallel.h"
 #include "core/las/SourceParser.h"
 #include "core/las/StagedWrite.h"
@@ -111,6 +112,8 @@ void verify(const AtomicFile& target, const WritePlan& plan, const Written& writ
             parsed.chunks[k].bytes != written.chunks.places[k].bytes ||
             parsed.chunks[k].count != plan.chunks.chunks[k].points.size())
             differs("the table of chunks");
+    // The parser holds each entry of the octree against the table.
+    if (plan.copc && (!s.copc || !sameNodes(*s.copc, *plannedCopc(plan)))) differs("the spatial index");
 
     progress.begin("Checking the file", maker.points());
     const auto wrong = plan.compressed
@@ -184,6 +187,7 @@ StagedWrite stage(const PointCloud& cloud, const std::filesystem::path& path, co
         auto staged = std::make_unique<StagedWrite::State>();
         staged->path = path;
         staged->source = cloud.source();
+        staged->copc = plan.copc != nullptr;
         staged->file = std::make_unique<AtomicFile>(
             path, options.compressed ? expectedChunks(plan.chunks) : plainEnd,
             options.replaceProtected ? AtomicFile::Protected::Replace : AtomicFile::Protected::Refuse);
@@ -203,6 +207,7 @@ StagedWrite stage(const PointCloud& cloud, const std::filesystem::path& path, co
             written.pointDataEnd = plainEnd;
         }
         plan.setPointDataEnd(written.pointDataEnd);
+        setCopcPlaces(written.chunks, plan);
         written.suffix = plan.suffix();
         written.bytes = written.pointDataEnd + written.suffix.size();
         file.writeAt(written.pointDataEnd, written.suffix);

@@ -230,6 +230,23 @@ private slots:
         }
     }
 
+    void tellsTheOctreeOfCopc()
+    {
+        const QString path = realFile("lion_takanawa.copc.laz");
+        if (!QFile::exists(path)) QSKIP("The file is not here.");
+        const Outcome run = runPunctum({"info", "--json", path});
+        PUNCTUM_EXIT(run, 0);
+        const QJsonObject octree = run.json()["copc"].toObject();
+        QCOMPARE(octree["nodes"].toInt(), 9);
+        QCOMPARE(octree["levels"].toInt(), 2);
+        QCOMPARE(octree["points_by_level"].toArray(), QJsonArray({35903, 306086}));
+        QVERIFY(std::abs(octree["spacing"].toDouble() - 0.038673) < 1e-6);
+        QCOMPARE(octree["half_size"].toDouble(), 2.8425);
+        const Outcome text = runPunctum({"info", path});
+        QVERIFY2(text.out.contains("9 nodes on 2 levels, spacing 0.03867 on the first"), text.out);
+        QVERIFY(runPunctum({"info", "--json", realFile("extra.laz")}).json()["copc"].isNull());
+    }
+
     void keepsIntegersOf64Bits()
     {
         // 2^53 + 1 and 2^64 - 1 have no double of their own: JSON must have their digits

@@ -386,7 +386,7 @@ inline std::vector<BadInput> badInputs(std::size_t count)
         open("51 waveform record beyond the file", file(head, {}, points), 10, true, "1 extended records");
     }
     {
-        // The hierarchy's only page is its own child, and an entry lies behind the file; it is not looked at.
+        // The hierarchy's only page is its own child, and an entry lies behind the file.
         Bytes info(160), page(64);
         set<std::uint64_t>(info, 40, 1ull << 60);
         set<std::int32_t>(page, 28, -1);
@@ -403,7 +403,8 @@ inline std::vector<BadInput> badInputs(std::size_t count)
         set<std::uint32_t>(b, 243, 1);
         set<std::uint64_t>(page, 16, b.size() + 60);
         append(b, record("copc", 1000, page, true));
-        open("52 COPC hierarchy in a circle", b, count, false, "");
+        open("52 COPC hierarchy in a circle", b, count, false,
+             "The spatial index of the COPC file does not belong");
     }
     {
         const Bytes garbage = randomRecords(0, 60000, 1, 5);

@@ -30,6 +30,11 @@ void checkParts(const las::ParsedFile& parsed, std::uint64_t size)
         promise(c.first == points && c.count > 0, "chunks follow one another");
         points += c.count;
     }
+    if (s.copc)
+        for (std::size_t k = 0; k < s.copc->chunks; ++k)
+            promise(s.copc->nodes[k].points.first == parsed.chunks[k].first &&
+                        s.copc->nodes[k].points.size() == parsed.chunks[k].count,
+                    "each chunk is a node");
     if (s.compressed)
         promise(points == s.pointCount, "the chunks hold the points");
     else

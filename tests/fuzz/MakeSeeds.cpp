@@ -8,6 +8,7 @@
 #include "core/steps/MakeCommand.h"
 #include "core/task/Progress.h"
 #include "tests/core/BadInputs.h"
+#include "tests/core/CopcFiles.h"
 #include "tests/fuzz/FixedCloud.h"
 #include "tests/fuzz/Fuzz.h"
 
@@ -261,6 +262,14 @@ void make(const fs::path& realFiles)
         lasfiles::set<std::uint16_t>(head, 391, 1355);
         const Bytes records = lasfiles::randomRecords(format, length, kPoints, format, true);
         wholeFile("las 1.5 format " + std::to_string(format), lasfiles::file(head, {}, records));
+    }
+    {
+        const Bytes octree = copcfiles::made({}, 100);
+        wholeFile("copc", octree);
+        Bytes circle = octree;  // an entry leads back to the page that it is on
+        const std::uint64_t root = lasfiles::get<std::uint64_t>(octree, copcfiles::kInfo + 40);
+        lasfiles::set<std::uint64_t>(circle, std::size_t(root) + 32 * 8 + 16, root);
+        wholeFile("copc circle", circle);
     }
     for (const lasfiles::BadInput& row : lasfiles::badInputs(kPoints)) {
         if (row.bytes.size() > 8000) continue;
