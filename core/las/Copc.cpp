@@ -134,9 +134,9 @@ private:
         node.entry = at;
         node.key = {loadAs<std::int32_t>(entry), loadAs<std::int32_t>(entry + 4), loadAs<std::int32_t>(entry + 8),
                     loadAs<std::int32_t>(entry + 12)};
-        const auto& [level, x, y, z] = node.key;
+        const std::int32_t level = node.key.level;
         const auto outside = [&](std::int32_t k) { return k < 0 || k >= std::int32_t(1) << level; };
-        if (level < 0 || level > kDeepest || outside(x) || outside(y) || outside(z))
+        if (level < 0 || level > kDeepest || outside(node.key.x) || outside(node.key.y) || outside(node.key.z))
             throw NoIndex{"there is no node " + keyText(node.key)};
         const auto offset = loadAs<std::uint64_t>(entry + copc::kOffsetAt);
         const auto bytes = loadAs<std::int32_t>(entry + copc::kBytesAt);

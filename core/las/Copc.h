@@ -5,11 +5,11 @@
 #include "core/cloud/PointCloud.h"
 
 #include <array>
-#include <compare>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace punctum
@@ -48,7 +48,11 @@ constexpr bool has(std::uint8_t format, std::uint8_t minor)
 /// A node's place in the octree ("hierarchy VLR", VoxelKey): on level n there are 2^n cubes along each axis.
 struct CopcKey {
     std::int32_t level = 0, x = 0, y = 0, z = 0;
-    friend auto operator<=>(const CopcKey&, const CopcKey&) = default;
+    friend bool operator==(const CopcKey&, const CopcKey&) = default;
+    friend bool operator<(const CopcKey& a, const CopcKey& b)
+    {
+        return std::tie(a.level, a.x, a.y, a.z) < std::tie(b.level, b.x, b.y, b.z);
+    }
 };
 
 struct CopcNode {
