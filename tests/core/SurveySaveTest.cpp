@@ -110,6 +110,56 @@ class SurveySaveTest : public QObject
 {
     Q_OBJECT
 private slots:
+    /// Files that others change or take away while the survey is open: asked about, or written again, and no point
+    /// is lost.
+    void filesThatGoMeanwhile()
+    {
+        const QTemporaryDir dir;
+        const fs::path folder = fs::canonical(dir.path().toStdString());
+        makeFiles(folder);
+        const std::vector<fs::path> files = filesOf(folder);
+        Work work(folder, folder / "journals");
+        int n = 0;
+        // one becomes shorter, another is replaced by one of the same size: nothing is written before somebody says
+        // so
+        for (const bool shorter : {true, false}) {
+            work.edit(++n);
+            const Values edited = valuesOf(*work.session->cloud());
+            const std::array<Bytes, 3> before{lasfiles::readFile(files[0]), lasfiles::readFile(files[1]),
+                                              lasfiles::readFile(files[2])};
+            if (shorter) {
+                fs::resize_file(files[1], before[1].size() / 2);
+            } else {
+                fs::remove(files[1]);
+                lasfiles::writeFile(files[1], Bytes(before[1].size()));
+            }
+            const Bytes theirs = lasfiles::readFile(files[1]);
+            try {
+                work.save();
+                QFAIL("it was not asked");
+            } catch (const las::WriteQuestion& question) {
+                QVERIFY(question.kind() == las::WriteQuestion::Kind::TargetChanged);
+                QVERIFY(question.file() == files[1]);
+                QVERIFY2(
+                    std::string(question.what()).find("Another program changed this file") != std::string::npos,
+                    question.what());
+            }
+            QVERIFY(lasfiles::readFile(files[0]) == before[0] && lasfiles::readFile(files[1]) == theirs &&
+                    lasfiles::readFile(files[2]) == before[2]);
+            QVERIFY(valuesOf(*work.session->cloud()) == edited);
+            SaveRequest request{{}, {}, false, {}, {}};
+            request.options.overwriteChanged = true;
+            work.session->save(request, work.progress);
+            QVERIFY(valuesOf(*Work(folder, {}).session->cloud()) == edited);
+        }
+        // one that is gone is written again
+        fs::remove(files[0]);
+        fs::remove(files[1]);
+        work.edit(++n);
+        work.save();
+        QVERIFY(valuesOf(*Work(folder, {}).session->cloud()) == valuesOf(*work.session->cloud()));
+    }
+
     void nothingIsLostAndNothingIsHalf()
     {
         std::mt19937_64 random(std::random_device{}());
