@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <string_view>
 #include <type_traits>
@@ -22,14 +23,14 @@ namespace
 namespace fs = std::filesystem;
 
 /// What a file begins with; another version begins with something else.
-constexpr std::string_view kMagic = "Punctum overview 1\n";
+constexpr std::string_view kMagic = "Punctum overview 2\n";
 constexpr std::string_view kEnding = ".overview";
 constexpr std::uint64_t kMostOfNames = 64u << 20;  ///< bytes beside the values that are looked at
 
 template <typename T>
 void putNumber(std::string& out, T value)
 {
-    static_assert(std::is_integral_v<T>);
+    static_assert(std::is_arithmetic_v<T>);
     out.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
@@ -165,6 +166,18 @@ bool Overview::parse(const std::string& bytes)
     const std::string files = describe(m_of);
     if (!all.starts_with(files)) return false;
     Taking taking{all.substr(files.size())};
+    std::vector<std::vector<WorldBounds>> boxes(m_of.size());
+    for (std::size_t k = 0; k < boxes.size(); ++k) {
+        const auto count = taking.number<std::uint64_t>();
+        if (count > m_of[k].points || count > taking.rest.size() / (6 * sizeof(double))) return false;
+        boxes[k].resize(std::size_t(count));
+        for (WorldBounds& box : boxes[k])
+            for (glm::dvec3* const corner : {&box.min, &box.max})
+                for (int axis = 0; axis < 3; ++axis) {
+                    (*corner)[axis] = taking.number<double>();
+                    if (!std::isfinite((*corner)[axis])) return false;
+                }
+    }
     std::vector<Piece> found;
     while (taking.good && !taking.rest.empty()) {
         Piece piece;
@@ -190,6 +203,7 @@ bool Overview::parse(const std::string& bytes)
     for (std::size_t k = 1; k < found.size(); ++k)
         if (found[k].of == found[k - 1].of && found[k].points.first < found[k - 1].points.last) return false;
     m_pieces = std::move(found);
+    m_boxes = std::move(boxes);
     return true;
 }
 
@@ -197,6 +211,12 @@ void Overview::keep() const
 {
     std::string bytes(kMagic);
     bytes += describe(m_of);
+    for (const std::vector<WorldBounds>& boxes : m_boxes) {
+        putNumber(bytes, std::uint64_t(boxes.size()));
+        for (const WorldBounds& box : boxes)
+            for (const glm::dvec3& corner : {box.min, box.max})
+                for (int axis = 0; axis < 3; ++axis) putNumber(bytes, corner[axis]);
+    }
     for (const Piece& piece : m_pieces) {
         putNumber(bytes, std::uint64_t(piece.of));
         putNumber(bytes, piece.points.first);

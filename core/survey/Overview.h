@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/cloud/Column.h"
+#include "core/cloud/PointCloud.h"
 #include "core/las/File.h"
 
 #include <cstddef>
@@ -21,7 +21,8 @@ namespace punctum
 /// It is a cache: it may be deleted at any time, no more than kMostInAll bytes of them are kept, those that were
 /// not used for longest go first, and one that is cut off, damaged, of another version of the program or of files
 /// that are not what they were is as good as none. Whoever shows it reads the files all the same, whose points take
-/// the place of what was shown: one that lies is believed until then, and never saved.
+/// the place of what was shown: one that lies is believed until then, and never saved. With it is
+/// kept where the points of each piece of a file are, so that what is in sight is read first and nothing else.
 ///
 /// Threads: add() by any; everything else by one, when nobody adds.
 class Overview
@@ -45,7 +46,12 @@ public:
     static constexpr std::uint64_t kMostBytes = 32u << 20;   ///< of values, of one survey
     static constexpr std::uint64_t kMostInAll = 256u << 20;  ///< of all that are kept
 
-    explicit Overview(std::vector<Of> of) : m_of(std::move(of)) {}
+    explicit Overview(std::vector<Of> of) : m_of(std::move(of)), m_boxes(m_of.size()) {}
+
+    /// Where the points of each piece of a file are that its reader reads at once (las::Reader::pieces()), world.
+    void setBoxes(std::size_t of, std::vector<WorldBounds> boxes) { m_boxes[of] = std::move(boxes); }
+    /// None: not known.
+    const std::vector<WorldBounds>& boxes(std::size_t of) const noexcept { return m_boxes[of]; }
 
     /// How many points of a piece there is room for, where each file has one: at most `most`.
     std::uint64_t room(std::uint64_t most) const noexcept;
@@ -70,6 +76,7 @@ private:
     std::vector<Of> m_of;
     std::mutex m_mutex;
     std::vector<Piece> m_pieces;
+    std::vector<std::vector<WorldBounds>> m_boxes;  ///< by file
 };
 
 }  // namespace punctum

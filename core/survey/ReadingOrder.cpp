@@ -108,7 +108,7 @@ void ReadingOrder::sort(const Sight& seen)
             const Part& part = m_parts[unit.part];
             const bool known = !part.boxes.empty() && !part.boxes[unit.piece].empty();
             const int size = known ? sizeClass(seen(part.boxes[unit.piece])) : sizes[unit.part];
-            m_inSight[index] = size > 0 || part.turns.size() <= kWholePart;
+            m_inSight[index] = size > 0 || (!part.sure && part.turns.size() <= kWholePart);
             unread += m_inSight[index] && m_state[index] != State::Done ? 1 : 0;
             if (m_state[index] == State::Waiting) bySize[std::size_t(size)].push_back(unit);
         }

@@ -52,6 +52,7 @@ public:
         std::vector<std::uint32_t> turns;  ///< its pieces, in the order in which they are read
         /// Where the points of each piece are likely to be, by piece; empty: not known, as is an empty box.
         std::vector<WorldBounds> boxes{};
+        bool sure = false;  ///< they hold all points of their pieces
     };
     /// From now on there is something to take. `order`: of the parts.
     void begin(std::vector<Part> parts, const std::vector<std::uint32_t>& order);

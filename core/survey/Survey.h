@@ -120,6 +120,7 @@ private:
     void keepOf(Overview& overview, std::size_t part, PointRange points) const;
     WorldBounds boxOf(std::size_t part) const;
     std::vector<WorldBounds> likelyBoxes(std::size_t part) const;
+    std::vector<WorldBounds> readBoxes(std::size_t part, const RawBounds& exact) const;
     bool isOwn(std::size_t part, std::size_t field) const;
 
     std::shared_ptr<PointCloud> m_cloud;

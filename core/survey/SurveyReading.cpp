@@ -368,6 +368,33 @@ std::vector<WorldBounds> Survey::likelyBoxes(std::size_t part) const
     return boxes;
 }
 
+/// Where the points of each piece are, once all have been read, and all of the part is in `exact`; none where some
+/// are nowhere.
+std::vector<WorldBounds> Survey::readBoxes(std::size_t part, const RawBounds& exact) const
+{
+    const las::Reader& reader = *m_members[part]->reader;
+    const auto blocks = m_cloud->boxes();
+    if (!blocks || exact.empty()) return {};
+    const WorldBounds whole = m_cloud->coordinates().toWorld(exact);
+    std::vector<WorldBounds> boxes(reader.pieces());
+    for (std::size_t k = 0; k < boxes.size(); ++k) {
+        const PointRange points = reader.pointsOf(k);
+        const PointIndex first = m_parts[part].points.first + points.first,
+                         last = m_parts[part].points.first + points.last;
+        RawBounds box;
+        for (PointIndex block = first / BlockBoxes::kPoints; block * BlockBoxes::kPoints < last; ++block)
+            box.include((*blocks)[std::size_t(block)]);
+        if (box.empty()) return {};
+        boxes[k] = m_cloud->coordinates().toWorld(box);
+        // a block may have points of the next file, too
+        for (int axis = 0; axis < 3; ++axis) {
+            boxes[k].min[axis] = std::max(boxes[k].min[axis], whole.min[axis]);
+            boxes[k].max[axis] = std::min(boxes[k].max[axis], whole.max[axis]);
+        }
+    }
+    return boxes;
+}
+
 /// All of a part is in it, as its header says.
 WorldBounds Survey::boxOf(std::size_t part) const
 {
@@ -549,6 +576,10 @@ las::ReadResult Survey::read(Progress& progress, const las::Reader::BatchSink& s
     std::size_t count = 0;
     for (std::size_t k = 0; k < parts.size(); ++k) {
         parts[k] = {boxOf(k), m_members[k]->reader->order(!m_members[k]->firstBoxes.empty()), likelyBoxes(k)};
+        if (known && !parts[k].turns.empty() && overview->boxes(k).size() == m_members[k]->reader->pieces()) {
+            parts[k].boxes = overview->boxes(k);
+            parts[k].sure = true;
+        }
         if (parts[k].turns.empty()) parts[k].turns.push_back(0);  // a file without points is looked at, too
         count += parts[k].turns.size();
     }
@@ -576,7 +607,11 @@ las::ReadResult Survey::read(Progress& progress, const las::Reader::BatchSink& s
     units.end();
     std::string notKept;
     try {
-        if (overview != nullptr && !known && !overview->pieces().empty()) overview->keep();
+        if (overview != nullptr && !known && !overview->pieces().empty()) {
+            for (std::size_t k = 0; k < m_parts.size(); ++k)
+                overview->setBoxes(k, readBoxes(k, files.result(k).bounds));
+            overview->keep();
+        }
     } catch (const Error& e) {
         notKept = std::string("The next opening will show nothing before files are read: ") + e.what();
     }

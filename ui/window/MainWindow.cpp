@@ -107,7 +107,7 @@ MainWindow::MainWindow(const WindowOptions& options, QWidget* parent)
     m_undoOrder = new UndoOrder(*m_workspace, *m_selection, this);
     m_shown = new ShownCount(*m_workspace, *m_view, *m_filter, this);
     m_viewScope = new ViewScope(*m_workspace, *m_view, *m_filter, this);
-    new ReadingSight(*m_workspace, *m_viewport, *m_view, this);
+    new ReadingSight(*m_workspace, *m_viewport, *m_view, m_workspace);  // goes with it
     m_shownPill = new ShownPill(*m_viewport, *m_viewScope);
     m_selectTools = new SelectTools(*m_viewport, *m_selection, this);
     m_measurements = new Measurements(*m_workspace, this);
