@@ -280,7 +280,8 @@ private:
     /// A value of the last piece becomes another one, and the sum is right.
     static void changeKept()
     {
-        const std::vector<fs::path> found(fs::directory_iterator(Overview::folder()), fs::directory_iterator());
+        std::vector<fs::path> found;
+        for (const auto& entry : fs::directory_iterator(Overview::folder())) found.push_back(entry.path());
         QCOMPARE(found.size(), std::size_t(1));
         lasfiles::Bytes bytes = lasfiles::readFile(found.front());
         const std::size_t end = bytes.size() - sizeof(std::uint32_t);
